@@ -29,7 +29,7 @@ use crate::typed::{self, ValueType};
 use crate::watch::format::Format;
 
 pub(crate) use channels::channel;
-pub use channels::{analog_channel, has_module, parse_value, scale};
+pub use channels::{analog_channel, has_module, missing_channel, parse_value, scale};
 pub use reading::{Value, number_text};
 
 /// Where a value comes from and how it is read.

@@ -7,7 +7,7 @@ pub mod path;
 mod used;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{AssertType, DbEntry};
+use plcc_abi::image::{AssertType, BlockKind, DbEntry};
 use plcc_abi::names::{NamedStruct, NamedType, TypeNumber, structure_number};
 use plcc_literal::distance::nearest;
 
@@ -165,7 +165,11 @@ impl<'a> Finder<'a> {
             {
                 return Err(bit_of_word(root, bit));
             }
-            (Root::Address(..), [part, ..]) => return Err(format!("`{root}` is a value without {}", what(part))),
+            (Root::Address(address, _), [part, ..]) => {
+                let current = current_value(address);
+                let help = current.map_or_else(String::new, |_| format!("; its current value is `{root}.VALUE`"));
+                return Err(format!("`{root}` is a value without {}{help}", what(part)));
+            }
             (Root::Variable(variable), rest) => {
                 let found = self.walk(variable, rest, root)?;
                 self.end(found).ok_or_else(|| self.no_value(text, found))?
@@ -389,11 +393,34 @@ impl<'a> Finder<'a> {
         if !instances.is_empty() {
             return format!("`{root}` is a function block; its values are in its instances: {}", instances.join(", "));
         }
+        if let Some(block) = self.image.blocks.iter().find(|block| !block.name.is_empty() && same(&block.name, root))
+            && let Some(kind) = match block.kind {
+                BlockKind::Ob => Some("an organization block"),
+                BlockKind::Fc => Some("a function"),
+                BlockKind::Fb => Some("a function block without an instance"),
+                BlockKind::Sfc | BlockKind::Sfb | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => None,
+            }
+        {
+            return format!("`{root}` is {kind}, and its local data end with the call: name a tag or a value of a DB");
+        }
+        // `Q0.0:P`
+        let direct = text.len().checked_sub(2).filter(|at| text.is_char_boundary(*at)).map(|at| text.split_at(at));
+        if let Some((image, direct)) = direct
+            && direct.eq_ignore_ascii_case(":P")
+            && address::parse_for(image, self.image).is_some()
+        {
+            return format!("`{text}` has no `:P` here: write `{image}`, the value in the process image");
+        }
         let names = self.image.symbols.iter().map(|symbol| symbol.name.as_str());
         let dbs = self.image.dbs.iter().map(|db| db.name.as_str()).filter(|name| !name.is_empty());
         let near = match nearest(root, names.chain(dbs)) {
             Some(near) => format!("; did you mean `{}`?", written(near)),
-            None => self.member_of_db(root).map_or_else(String::new, |name| format!("; did you mean `{name}`?")),
+            None => match self.member_of_db(root) {
+                Some(name) => format!("; did you mean `{name}`?"),
+                None => {
+                    signal::missing_channel(text, self.image).map_or_else(String::new, |known| format!("; {known}"))
+                }
+            },
         };
         // `I0.9` was meant as an address.
         let is_bit = text.rsplit_once('.').is_some_and(|(_, bit)| digits(bit).is_some());

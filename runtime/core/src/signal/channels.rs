@@ -65,13 +65,38 @@ pub fn has_module(address: &Address, image: &ProgramImage) -> bool {
 
 /// `AI0`: the first analog input channel of the station, in the order of racks, slots and channels. `AO0`: of the outputs.
 pub fn analog_channel(text: &str, image: &ProgramImage) -> Option<Address> {
+    let (is_input, wanted) = channel_number(text)?;
+    let byte = channel_words(is_input, image).into_iter().nth(wanted)?;
+    let place = if is_input { Place::PeripheralInput(byte) } else { Place::PeripheralOutput(byte) };
+    Some(Address { place, width: Width::Word })
+}
+
+/// Which channels the station has, if `text` has the form of one that it does not have.
+pub fn missing_channel(text: &str, image: &ProgramImage) -> Option<String> {
+    let (is_input, _) = channel_number(text).filter(|_| image.s7200.is_none())?;
+    let (what, letters) = if is_input { ("inputs", "AI") } else { ("outputs", "AO") };
+    Some(match channel_words(is_input, image).len() {
+        0 if station(image).is_empty() => format!("plc.toml describes no station with analog {what}"),
+        0 => format!("the station has no analog {what}"),
+        1 => format!("of the analog {what} the station has {letters}0 only"),
+        count => format!("the station has the analog {what} {letters}0 to {letters}{}", count - 1),
+    })
+}
+
+/// `AI0`: whether it is an input, and its number.
+fn channel_number(text: &str) -> Option<(bool, usize)> {
     let upper = text.trim().to_ascii_uppercase();
     let (is_input, digits) = match (upper.strip_prefix("AI"), upper.strip_prefix("AO")) {
         (Some(digits), _) => (true, digits),
         (_, Some(digits)) => (false, digits),
         (None, None) => return None,
     };
-    let wanted = digits.bytes().all(|byte| byte.is_ascii_digit()).then(|| digits.parse::<usize>().ok()).flatten()?;
+    let number = digits.bytes().all(|byte| byte.is_ascii_digit()).then(|| digits.parse().ok()).flatten()?;
+    Some((is_input, number))
+}
+
+/// The addresses of the analog channels of the station, in their order.
+fn channel_words(is_input: bool, image: &ProgramImage) -> Vec<u32> {
     let modules = station(image);
     let words = modules.iter().flat_map(|(module, station)| {
         let (start, channels) = match is_input {
@@ -80,9 +105,7 @@ pub fn analog_channel(text: &str, image: &ProgramImage) -> Option<Address> {
         };
         (0..channels.len() as u32).map(move |index| start + 2 * index)
     });
-    let byte = words.into_iter().nth(wanted)?;
-    let place = if is_input { Place::PeripheralInput(byte) } else { Place::PeripheralOutput(byte) };
-    Some(Address { place, width: Width::Word })
+    words.collect()
 }
 
 /// A value for an address: a literal, or a number with a unit if an analog channel is there. `Err`: the error.

@@ -71,7 +71,9 @@ fn engineering_values_need_a_channel() {
         message("set = { \"PIW300\" = \"12 mA\" }").starts_with("s.toml:3: PIW300: a unit needs an analog channel")
     );
     assert!(message("set = { \"AI0\" = \"12 V\" }").contains("write a number in mA or in %"));
-    assert!(message("set = { \"AI2\" = 1 }").contains("`AI2` is neither an address"));
+    let missing = message("set = { \"AI2\" = 1 }");
+    assert!(missing.contains("`AI2` is neither an address"), "{missing}");
+    assert!(missing.contains("; the station has the analog inputs AI0 to AI1"), "{missing}");
     assert!(message("set = { \"I5.0\" = 1 }").starts_with("s.toml:3: I5.0: no module of the station has these"));
     assert!(message("expect = { \"MW0 as REAL\" = 1.0 }").contains("is not that of REAL"));
     assert!(message("expect = { \"plant.level\" = 1.0 }").contains("there is no plant"));
