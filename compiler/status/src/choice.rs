@@ -1,7 +1,7 @@
 //! Which call of which block is looked at.
 
 use plcc_abi::image::BlockKind;
-use plcc_model::{BlockKey, Program};
+use plcc_model::{BlockKey, CodeBlock, DataBlock, Program};
 
 /// What to look at.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,24 +34,55 @@ pub fn block(program: &Program, text: &str) -> Result<BlockKey, String> {
         .blocks
         .iter()
         .find(|block| has_code(block.kind) && compact == format!("{}{}", block.kind.prefix(), block.number));
-    let by_name = || program.blocks.iter().find(|block| !block.name.is_empty() && block.name == text);
+    let named = |same: fn(&str, &str) -> bool| {
+        program.blocks.iter().find(|block| !block.name.is_empty() && same(&block.name, text))
+    };
+    // The exact letters go first.
+    let by_name = || named(|name, text| name == text).or_else(|| named(str::eq_ignore_ascii_case));
     let found = by_address.or_else(by_name);
     match found {
         Some(block) if block.library => Err(format!("{text} is a block of the library, which has no status")),
         Some(block) => Ok(block.key()),
+        None if let Some(db) = data_block(program, text) => {
+            Err(match db.instance_of.and_then(|key| program.block(key)) {
+                Some(owner) if !owner.library => {
+                    let owner = if owner.name.is_empty() { address(owner) } else { owner.name.clone() };
+                    format!(
+                        "{text} is an instance, and its block has the statements: write --block {owner} --instance {text}"
+                    )
+                }
+                Some(_) | None => {
+                    format!("{text} is a data block, which has no statements; `plcc run --print` shows its values")
+                }
+            })
+        }
         None => {
-            let names: Vec<String> = program
-                .blocks
-                .iter()
-                .filter(|block| !block.library)
+            let own = || program.blocks.iter().filter(|block| !block.library);
+            let rest = if own().count() > LISTED_MAX { " and others" } else { "" };
+            let names: Vec<String> = own()
+                .take(LISTED_MAX)
                 .map(|block| {
                     let name = if block.name.is_empty() { String::new() } else { format!(" ({})", block.name) };
-                    format!("{}{}{name}", block.kind.prefix(), block.number)
+                    format!("{}{name}", address(block))
                 })
                 .collect();
-            Err(format!("the program has no block {text}; its blocks are {}", names.join(", ")))
+            Err(format!("the program has no block {text}; its blocks are {}{rest}", names.join(", ")))
         }
     }
+}
+
+/// Blocks that a message lists.
+const LISTED_MAX: usize = 30;
+
+fn address(block: &CodeBlock) -> String {
+    format!("{}{}", block.kind.prefix(), block.number)
+}
+
+/// The data block with an address or a name.
+fn data_block<'p>(program: &'p Program, text: &str) -> Option<&'p DataBlock> {
+    let text = text.trim().trim_matches('"');
+    let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    program.dbs.iter().find(|db| compact == format!("DB{}", db.number) || !db.name.is_empty() && db.name == text)
 }
 
 /// Reads `BLOCK` or `BLOCK:NETWORK`.
@@ -69,10 +100,10 @@ pub fn block_and_network(program: &Program, text: &str) -> Result<(BlockKey, Opt
 
 /// Reads the name or number of an instance DB. `Err`: the error.
 pub fn instance(program: &Program, text: &str) -> Result<u16, String> {
-    let text = text.trim().trim_matches('"');
-    let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
-    let found = program.dbs.iter().find(|db| compact == format!("DB{}", db.number) || db.name == text);
-    found.map(|db| db.number).ok_or_else(|| format!("the program has no data block {text}"))
+    data_block(program, text).map(|db| db.number).ok_or_else(|| {
+        let text = text.trim().trim_matches('"');
+        format!("the program has no data block {text}")
+    })
 }
 
 /// Reads `OB1/FB2`. `Err`: the error.
