@@ -224,19 +224,19 @@ impl Cpu {
         let bytes = address.width.bytes();
         let inside = |byte: u32, length: u32, area: &str| match byte + bytes <= length {
             true => Ok(()),
-            false => Err(format!("byte {byte} is outside of {area}, which has {length} bytes")),
+            false => Err(format!("byte {byte} is outside of {area} {length} bytes")),
         };
         match address.place {
-            Place::Input(byte) => inside(byte, self.area(Area::Inputs).1, "the inputs"),
-            Place::Output(byte) => inside(byte, self.area(Area::Outputs).1, "the outputs"),
-            Place::BitMemory(byte) => inside(byte, self.area(Area::BitMemory).1, "the bit memory"),
+            Place::Input(byte) => inside(byte, self.area(Area::Inputs).1, "the inputs, which have"),
+            Place::Output(byte) => inside(byte, self.area(Area::Outputs).1, "the outputs, which have"),
+            Place::BitMemory(byte) => inside(byte, self.area(Area::BitMemory).1, "the bit memory, which has"),
             Place::PeripheralInput(byte) | Place::PeripheralOutput(byte) => {
-                inside(byte, crate::io::PERIPHERAL_BYTES, "the peripheral area")
+                inside(byte, crate::io::PERIPHERAL_BYTES, "the peripheral area, which has")
             }
             Place::Db(number, byte) => match self.memory.db(number).1 {
                 0 => Err(format!("DB {number} is not loaded")),
-                length if self.s7200.is_some() => inside(byte, length, "the V memory"),
-                length => inside(byte, length, &format!("DB {number}")),
+                length if self.s7200.is_some() => inside(byte, length, "the V memory, which has"),
+                length => inside(byte, length, &format!("DB {number}, which has")),
             },
             Place::Timer(number) | Place::TimerValue(number) if number < self.image.profile.timers => Ok(()),
             Place::Timer(number) | Place::TimerValue(number) => {

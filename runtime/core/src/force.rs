@@ -319,7 +319,7 @@ impl Cpu {
         };
         let mut others = table.iter().enumerate().filter(|(index, _)| Some(*index) != known).map(|(_, other)| other);
         if let Some(other) = others.find(|other| is_same_bit(other)) {
-            return Err(format!("{name} overlaps {}, which is forced: end that first", other.name));
+            return Err(format!("{name} overlaps {}, which is forced too: only one of them can be", other.name));
         }
         // An S7-200 forces any number of inputs and outputs that are not analog.
         let counts =

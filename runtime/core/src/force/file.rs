@@ -8,6 +8,7 @@
 //! comment = "gate"
 //! ```
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use plcc_literal::toml_words;
@@ -78,7 +79,13 @@ impl Cpu {
             placed(offset, &format!("{}; {}", wrong.title, wrong.help))
         })?;
         let mut left_out = 0;
+        let mut names: HashSet<&str> = HashSet::new();
         for row in &file.force {
+            let name = row.address.get_ref().trim();
+            if !names.insert(name) && table == Table::Named {
+                let message = format!("{name} has two rows: which value is it forced to? Keep one of them");
+                return Err(placed(row.address.span().start, &message));
+            }
             let Err(message) = self.force_row(row.address.get_ref(), &row.value, row.format, &row.comment) else {
                 continue;
             };

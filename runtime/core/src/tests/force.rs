@@ -134,6 +134,26 @@ fn a_400_forces_bit_memory() {
     assert_eq!(cpu.memory.byte(layout::M + 5), 0x0F);
 }
 
+/// Of two rows one would be forced, and the user would not know which.
+#[test]
+fn an_address_has_one_row() {
+    let path = std::env::temp_dir().join(format!("plcc-force-{}-rows.toml", std::process::id()));
+    let row = |address: &str, value: &str| format!("[[force]]\naddress = \"{address}\"\nvalue = \"{value}\"\n");
+    let forced = |text: &str| {
+        std::fs::write(&path, text).unwrap();
+        cpu(Family::S71500).force_from(&path, Table::Named).map_err(|message| {
+            message.split_once(".toml:").map_or_else(|| message.clone(), |(_, rest)| rest.to_string())
+        })
+    };
+    let twice = row("I0.0", "1") + &row("I0.0", "0");
+    assert_eq!(forced(&twice), Err("5: I0.0 has two rows: which value is it forced to? Keep one of them".to_string()));
+    let overlap = row("I0.0", "1") + &row("IB0", "0");
+    assert_eq!(forced(&overlap), Err("5: IB0 overlaps I0.0, which is forced too: only one of them can be".to_string()));
+    let far = forced(&row("IW60000", "1")).unwrap_err();
+    assert!(far.starts_with("2: byte 60000 is outside of the inputs, which have "), "{far}");
+    let _ = std::fs::remove_file(&path);
+}
+
 /// The table is kept in its file, and read again with the next start.
 #[test]
 fn a_file_keeps_what_is_forced() {
