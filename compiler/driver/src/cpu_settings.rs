@@ -1,9 +1,10 @@
 //! Settings of plc.toml that not every CPU has: organization blocks, their priorities, what becomes of a cycle that is too long, how much is
 //! retentive.
 
-use plcc_abi::image::{Family, Profile};
+use plcc_abi::image::{BlockKind, Family, Profile};
 use plcc_abi::ob::{OB_FREE, ObClass};
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
+use plcc_model::Program;
 
 /// A setting that was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,28 @@ pub fn check(settings: &[(CpuSetting, Span)], profile: &Profile) -> Vec<Diagnost
     let report = |(setting, span): &(CpuSetting, Span)| {
         let (title, help) = wrong(*setting, profile)?;
         Some(Diagnostic::new(Code::Project, *span, title).help(help))
+    };
+    settings.iter().filter_map(report).collect()
+}
+
+/// Warns of settings of organization blocks that the program does not have.
+pub fn without_block(settings: &[(CpuSetting, Span)], program: &Program) -> Vec<Diagnostic> {
+    let obs = || program.blocks.iter().filter(|block| block.kind == BlockKind::Ob).map(|block| block.number);
+    let report = |(setting, span): &(CpuSetting, Span)| {
+        let CpuSetting::Ob(ob) = *setting else { return None };
+        if obs().any(|number| number == ob) {
+            return None;
+        }
+        let alike = |other: &u16| ObClass::of_number(*other).is_some_and(|class| ObClass::of_number(ob) == Some(class));
+        let set = |other: &u16| settings.iter().any(|(setting, _)| *setting == CpuSetting::Ob(*other));
+        let help = match obs().find(|other| alike(other) && !set(other)) {
+            Some(other) => format!("is `[ob.{other}]` meant? The program has OB {other}"),
+            None => format!("add OB {ob} to the program, or remove this heading and its keys"),
+        };
+        let message = Diagnostic::new(Code::Project, *span, format!("the program has no OB {ob}"));
+        let mut message = message.label("these settings have no effect").help(help);
+        message.severity = Severity::Warning;
+        Some(message)
     };
     settings.iter().filter_map(report).collect()
 }

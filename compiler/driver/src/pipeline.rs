@@ -252,6 +252,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let has_station = project.as_ref().is_some_and(|project| project.station.is_some());
     let names = project.as_ref().map(|project| project.names.clone()).unwrap_or_default();
     let tables_beside = project.as_ref().map(|project| project.tables_beside.clone()).unwrap_or_default();
+    let of_cpu = project.as_ref().map(|project| project.of_cpu.clone()).unwrap_or_default();
     let input = BindInput {
         name,
         sources: &sources,
@@ -294,6 +295,9 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     if !names.is_empty() && !partial && diagnostics.iter().all(|message| message.severity != Severity::Error) {
         diagnostics.extend(names.check(&plcc_lower::names_of(&program, &sources)));
         diagnostics.extend(names.check_blocks(|number| program.db(number).is_some()));
+    }
+    if !partial && diagnostics.iter().all(|message| message.severity != Severity::Error) {
+        diagnostics.extend(cpu_settings::without_block(&of_cpu, &program));
     }
     name_tables(&mut diagnostics, &tables_beside);
     // A use of a symbol shows the row that cannot be read.
