@@ -182,6 +182,12 @@ fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
     } else {
         let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is not a file or folder in the project"));
         read.diagnostics.push(match near::below(folder, name) {
+            _ if name.contains(['*', '?']) => {
+                let above = name.rsplit_once(['/', '\\']).map_or(".", |(above, _)| above);
+                message.help(format!(
+                    "a list has no patterns: name each file, or the folder with all of them, `\"{above}\"`"
+                ))
+            }
             Some(near) => message.help(format!("is `{near}` meant?")),
             None => message.help("names are relative to the folder of plc.toml"),
         });
