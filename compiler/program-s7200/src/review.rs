@@ -17,9 +17,30 @@ pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
             outputs(&body.statements, &mut found);
             never_reached(&body.statements, &mut found);
             local_memory(body, blocks, &mut found);
+            divisions(&body.statements, &mut found);
         }
     }
     found
+}
+
+/// Divisions by the constant 0, which never succeed.
+fn divisions(statements: &[Statement], found: &mut Vec<Diagnostic>) {
+    for statement in statements {
+        let StatementKind::Instruction { insn, operands } = &statement.kind else { continue };
+        let is_zero = match (insn, operands.first()) {
+            (Insn::DivI | Insn::DivD | Insn::Div, Some(Operand::Const(value))) => *value == 0,
+            // 0.0 and -0.0.
+            (Insn::DivR, Some(Operand::Const(bits))) => *bits << 1 == 0,
+            _ => false,
+        };
+        if is_zero {
+            found.push(
+                Diagnostic::new(Code::AlwaysSame, statement.span, "a division by the constant 0")
+                    .label("it sets SM1.3 and leaves its second operand as it is")
+                    .help("the first operand is the divisor: write another number, or an address"),
+            );
+        }
+    }
 }
 
 /// Outputs that are assigned twice, with nothing between that reads them or may skip one of the two.

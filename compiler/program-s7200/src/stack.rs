@@ -79,11 +79,22 @@ pub struct Stack {
     read_told: bool,
     /// Levels of this network, the top last: which instruction pushed them, until something uses them.
     unused: Vec<Option<Span>>,
+    /// The same levels: those that LPS has pushed, until LPP, ALD or OLD takes them.
+    copies: Vec<Option<Span>>,
 }
 
 impl Stack {
     pub fn new(kind: BlockKind) -> Stack {
-        Stack { kind, depth: 0, lost: 0, loaded: false, told: false, read_told: false, unused: Vec::new() }
+        Stack {
+            kind,
+            depth: 0,
+            lost: 0,
+            loaded: false,
+            told: false,
+            read_told: false,
+            unused: Vec::new(),
+            copies: Vec::new(),
+        }
     }
 
     /// An operand that an instruction does not have may have been meant as the use of the result: `EU Q0.0`.
@@ -93,10 +104,21 @@ impl Stack {
 
     /// The statements of a network are over; the next one begins at `end`.
     pub fn end_network(&mut self, end: u32, sources: &SourceMap, report: &mut Report) {
-        let left = std::mem::take(&mut self.unused).into_iter().flatten().next();
+        let is_certain = !self.told && !self.read_told;
         // An assertion may read any level.
-        let left = left.filter(|span| !has_assertion(sources, Span { end, ..*span }));
-        if let Some(span) = left.filter(|_| !self.told && !self.read_told) {
+        let first = |levels: &mut Vec<Option<Span>>| {
+            let left = std::mem::take(levels).into_iter().flatten().next();
+            left.filter(|span| is_certain && !has_assertion(sources, Span { end, ..*span }))
+        };
+        let (left, copied) = (first(&mut self.unused), first(&mut self.copies));
+        if let (None, Some(span)) = (left, copied) {
+            report.push(
+                Diagnostic::new(Code::LeftOverLevel, span, "no LPP takes back what this LPS pushes")
+                    .label("it stays on the logic stack until the network ends")
+                    .help("begin the last branch with LPP in place of LRD, or remove LPS if there is one branch only"),
+            );
+        }
+        if let Some(span) = left {
             report.push(
                 Diagnostic::new(Code::LeftOverLevel, span, "nothing uses the result of this contact")
                     .label("it stays on the logic stack until the network ends")
@@ -137,6 +159,7 @@ impl Stack {
 
     pub fn begin_network(&mut self) {
         self.unused.clear();
+        self.copies.clear();
         (self.depth, self.lost, self.told, self.read_told) = (0, 0, false, false);
     }
 
@@ -151,6 +174,13 @@ impl Stack {
     pub fn visit(&mut self, insn: Insn, level: Option<u32>, name: &str, span: Span, report: &mut Report) {
         let effect = effect(insn, level);
         self.follow(&effect, span);
+        match effect {
+            Effect::Push | Effect::Copy(_) => self.copies.push((insn == Insn::Push).then_some(span)),
+            Effect::Join | Effect::Pop => {
+                self.copies.pop();
+            }
+            Effect::Combine(_) | Effect::Read | Effect::Set | Effect::None => {}
+        }
         if insn == Insn::Lscr {
             // The step uses it.
             self.unused.pop();
