@@ -97,6 +97,10 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
         }
         _ => {}
     }
+    // Counted where it opens.
+    if word == ")" && code.len() == 1 {
+        return Sign::None;
+    }
     if code.iter().any(|token| token.kind == RawKind::Assign || matches!(token.text(text), "(" | ")" | "{" | "[")) {
         return Sign::Foreign;
     }

@@ -44,7 +44,7 @@ pub fn classify<'a>(
     let mode = if data { Mode::Data } else { Mode::Code };
     let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
     let mut classifier =
-        Classifier { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, classified };
+        Classifier { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, parentheses: 0, classified };
     for line in lines {
         classifier.line(line);
     }
@@ -67,6 +67,7 @@ pub fn classify_assertion<'a>(
         mode: Mode::Code,
         place: Where::Assertion,
         end: 0,
+        parentheses: 0,
         classified,
     };
     classifier.operands(tokens);
@@ -83,6 +84,8 @@ struct Classifier<'a, 'd> {
     place: Where,
     /// End of the last token.
     end: usize,
+    /// Open parentheses that were reported.
+    parentheses: usize,
     classified: Classified<Tok<'a>>,
 }
 
@@ -424,6 +427,10 @@ impl<'a> Classifier<'a, '_> {
         }
         let Some(head) = mnemonics::head(self.text, code) else {
             let span = self.span(first.range());
+            if first.text(self.text) == ")" && self.parentheses > 0 {
+                self.parentheses -= 1;
+                return self.push(first.range(), Tok::BadLine);
+            }
             self.report(
                 Diagnostic::new(Code::Syntax, span, format!("`{}` cannot begin a statement", first.text(self.text)))
                     .label("a mnemonic is expected here")

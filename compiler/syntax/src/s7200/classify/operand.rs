@@ -369,6 +369,14 @@ impl<'a> Classifier<'a, '_> {
     }
 
     fn bad_character(&mut self, token: RawToken, text: &str) -> Tok<'a> {
+        match text {
+            "(" => self.parentheses += 1,
+            ")" if self.parentheses > 0 => {
+                self.parentheses -= 1;
+                return Tok::BadOperand;
+            }
+            _ => {}
+        }
         let (title, help) = match text {
             "(" | ")" => (
                 format!("a statement cannot contain `{text}`"),
