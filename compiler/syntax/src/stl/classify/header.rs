@@ -30,8 +30,17 @@ impl<'a> Classifier<'a, '_> {
         }
         self.block_name(self.slice(opening));
         if function && self.kind_at(self.at) == Some(RawKind::Colon) {
-            self.take(Tok::Colon);
-            self.type_name();
+            let next = self.at + 1;
+            let no_type = self.header_keyword(next)
+                || self.upper(next).as_str() == "TITLE"
+                || self.kind_at(next).is_none_or(|kind| matches!(kind, RawKind::Title | RawKind::LeftBrace));
+            if no_type {
+                // Told as a function without a type.
+                self.at = next;
+            } else {
+                self.take(Tok::Colon);
+                self.type_name();
+            }
         } else if function
             && let Some(ty) = self.peek().filter(|token| token.kind == RawKind::Word && !token.first_on_line)
             && !self.header_keyword(self.at)
