@@ -61,6 +61,9 @@ impl Classifier<'_, '_> {
                     has_content = true;
                     self.content();
                 }
+                (RawKind::LeftParen, _) if frame == Frame::Type && !has_content && self.enumeration(token) => {
+                    has_content = true;
+                }
                 _ if frame == Frame::Code && !has_content && self.header_goes_on() => self.skip_line_of_header(token),
                 _ if frame == Frame::Code => break,
                 _ => self.skip_in_header(frame),
@@ -97,6 +100,50 @@ impl Classifier<'_, '_> {
                 }
             }
         }
+    }
+
+    /// `TYPE "Colour" : (Red, Green);` of other tools; `false`: it is something else.
+    fn enumeration(&mut self, opening: RawToken) -> bool {
+        let rest = self.raw.iter().enumerate().skip(self.at + 1).take(HEADER_TOKENS_MAX);
+        let ends = |token: &RawToken| {
+            matches!(token.kind, RawKind::RightParen | RawKind::Semicolon)
+                || token.keyword.is_some_and(Keyword::ends_block)
+        };
+        let Some((at, close)) = rest.map(|(at, token)| (at, *token)).find(|(_, token)| ends(token)) else {
+            return false;
+        };
+        let first = self.raw[self.at + 1];
+        if close.kind != RawKind::RightParen || !matches!(first.kind, RawKind::Word | RawKind::Quoted) {
+            return false;
+        }
+        let first = self.slice(first).trim_matches('"');
+        self.report(
+            Diagnostic::new(
+                Code::ForeignForm,
+                self.span_of(opening.start as usize, close.end as usize),
+                "STEP 7 has no enumerated types",
+            )
+            .label("read as INT")
+            .help(format!(
+                "declare the values as constants, as `VAR CONSTANT {first} : INT := 0; END_VAR` or in a tag table, and \
+                 write INT in place of the type"
+            )),
+        );
+        self.at = at + 1;
+        let is_rest = |token: RawToken| {
+            token.kind != RawKind::Semicolon && !token.first_on_line && !token.keyword.is_some_and(Keyword::ends_block)
+        };
+        while self.peek().is_some_and(is_rest) {
+            self.at += 1;
+        }
+        self.push_here(Tok::Content);
+        self.push_here(Tok::Name("INT"));
+        if self.is_at(RawKind::Semicolon) {
+            self.take(Tok::End);
+        } else {
+            self.push_here(Tok::End);
+        }
+        true
     }
 
     /// `STRUCT … END_STRUCT`, `ARRAY[…] OF …`, or the name of a UDT or FB.
