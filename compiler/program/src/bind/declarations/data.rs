@@ -12,7 +12,7 @@ use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use};
 use crate::bind::trees::{blocks, mentions};
-use plcc_abi::layout;
+use plcc_abi::{any, layout};
 use plcc_binding::fold;
 use plcc_model::layout::bytes as layout_bytes;
 use plcc_model::types::{DataType, Elementary, StructType};
@@ -94,12 +94,45 @@ impl Declarations<'_> {
         }
     }
 
-    /// As [`use_db`](Self::use_db), for a pointer that is an actual parameter: it may mean a DB of a partner.
-    pub fn use_pointed_db(&mut self, callee: BlockKey, parameter: &str, number: u16, span: Span) {
+    /// As [`use_db`](Self::use_db), for an ANY that is an actual parameter: it may mean a DB of a partner. Reports one that goes beyond the end
+    /// of its data block.
+    pub fn use_pointed_db(&mut self, callee: BlockKey, parameter: &str, bytes: [u8; 10], span: Span) {
         let block = self.globals.library_block(callee);
-        if !block.is_some_and(|block| plcc_stdlib::is_of_partner(block, parameter)) {
-            self.use_db(number, span);
+        if block.is_some_and(|block| plcc_stdlib::is_of_partner(block, parameter)) {
+            return;
         }
+        let [syntax, type_code, high, low, db_high, db_low, pointer @ ..] = bytes;
+        let number = u16::from_be_bytes([db_high, db_low]);
+        self.use_db(number, span);
+        let fields = any::Fields {
+            head: u32::from_be_bytes([syntax, type_code, high, low]),
+            db: number,
+            pointer: u32::from_be_bytes(pointer),
+        };
+        let Ok(Some(pointed)) = any::decode(fields, 0, any::Access::Read) else { return };
+        let Some(db) = self.data.blocks.get(&number).filter(|_| pointed.area == layout::area::DB) else { return };
+        // How long a stand-in is says nothing.
+        if self.globals.input.stand_ins == Some(db.block.span.file) {
+            return;
+        }
+        let (length, end) = (db.block.data.len() as u32, pointed.byte + pointed.bytes);
+        if end <= length {
+            return;
+        }
+        let help = match length.checked_sub(pointed.byte).filter(|rest| *rest > 0) {
+            Some(rest) => format!(
+                "from there on it has {rest} bytes: write `P#DB{number}.DBX{}.0 BYTE {rest}`, or declare more in it",
+                pointed.byte
+            ),
+            None => "declare more in the data block, or write an address that it has".to_string(),
+        };
+        let defined = db.block.span;
+        self.report(
+            Diagnostic::new(Code::DbRange, span, format!("this pointer goes beyond the end of DB {number}"))
+                .label(format!("to byte {}; the data block has {length} bytes", end - 1))
+                .also(defined, "the data block")
+                .help(help),
+        );
     }
 
     /// Reports an address beyond the end of its data block, up to byte `end`.

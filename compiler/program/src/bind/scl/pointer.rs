@@ -64,9 +64,8 @@ impl SclBinder<'_, '_> {
     ) -> Option<Actual> {
         match &node.kind {
             NodeKind::Literal(Literal::Any(bytes)) => {
-                let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
-                let number = u16::from_be_bytes([db_high, db_low]);
-                self.program.use_pointed_db(callee, &formal.name, number, node.span);
+                let [_, type_code, high, low, _, _, pointer @ ..] = *bytes;
+                self.program.use_pointed_db(callee, &formal.name, *bytes, node.span);
                 let count = u16::from_be_bytes([high, low]);
                 let any = match local_place(u32::from_be_bytes(pointer)) {
                     Some(place) => to_place(place, node, type_code, count),

@@ -470,8 +470,8 @@ impl StlBinder<'_, '_> {
         };
         match &settled {
             Settled::Literal(Literal::Any(bytes)) => {
-                let [_, type_code, high, low, db_high, db_low, pointer @ ..] = *bytes;
-                self.program.use_pointed_db(callee, &formal.name, u16::from_be_bytes([db_high, db_low]), span);
+                let [_, type_code, high, low, _, _, pointer @ ..] = *bytes;
+                self.program.use_pointed_db(callee, &formal.name, *bytes, span);
                 let count = u16::from_be_bytes([high, low]);
                 let any = match local_place(u32::from_be_bytes(pointer)) {
                     Some(place) => Actual::PointerTo { place, type_code, count },
