@@ -270,8 +270,16 @@ fn length_text(image: &ProgramImage, access: u32, byte: u32, direction: &str) ->
     }
     let address = address_text(access, byte);
     let db = access >> 16;
-    if !matches!(access as u8 & 0x0F, access_area::DB | access_area::DI) || db == 0 {
-        return format!("{address} does not exist, on {direction}");
+    let area = access as u8 & 0x0F;
+    if !matches!(area, access_area::DB | access_area::DI) || db == 0 {
+        let profile = &image.profile;
+        let length = match area {
+            access_area::I => format!("; the CPU has {} bytes of inputs", profile.inputs),
+            access_area::Q => format!("; the CPU has {} bytes of outputs", profile.outputs),
+            access_area::M => format!("; the CPU has {} bytes of bit memory", profile.bit_memory),
+            _ => String::new(),
+        };
+        return format!("{address} does not exist, on {direction}{length}");
     }
     match image.dbs.iter().find(|known| u32::from(known.number) == db) {
         Some(known) => {
@@ -282,20 +290,29 @@ fn length_text(image: &ProgramImage, access: u32, byte: u32, direction: &str) ->
     }
 }
 
+/// What is wrong with the area of a pointer.
+fn area_text(area: u32, direction: &str) -> String {
+    match area {
+        0 => format!("a pointer has no area, as `P#10.0` has none and `P#M 10.0` has one, on {direction}"),
+        area => format!("wrong area 16#{area:02X} in a pointer, on {direction}"),
+    }
+}
+
 fn sync_error_text(image: &ProgramImage, code: u8, info: u32, access: u32) -> String {
     use plcc_abi::codes::sync;
     match code {
         sync::BCD => "BCD conversion error: a digit is greater than 9".to_string(),
         sync::LENGTH_READ => length_text(image, access, info, "reading"),
         sync::LENGTH_WRITE => length_text(image, access, info, "writing"),
-        sync::AREA_READ => format!("wrong area 16#{info:02X} in a pointer, on reading"),
-        sync::AREA_WRITE => format!("wrong area 16#{info:02X} in a pointer, on writing"),
-        sync::TIMER_NUMBER => format!("timer {info} does not exist"),
-        sync::COUNTER_NUMBER => format!("counter {info} does not exist"),
+        sync::AREA_READ => area_text(info, "reading"),
+        sync::AREA_WRITE => area_text(info, "writing"),
+        sync::TIMER_NUMBER => format!("timer {info} does not exist; the CPU has {}", image.profile.timers),
+        sync::COUNTER_NUMBER => format!("counter {info} does not exist; the CPU has {}", image.profile.counters),
         sync::ALIGN_READ => format!("bit address is not 0 in a pointer (byte {info}), on reading"),
         sync::ALIGN_WRITE => format!("bit address is not 0 in a pointer (byte {info}), on writing"),
         sync::WRITE_PROTECTED_DB => format!("DB {info} is write-protected"),
         sync::WRITE_PROTECTED_DI => format!("instance DB {info} is write-protected"),
+        sync::DB_NUMBER if !image.profile.family.is_portal() => "no DB is open, or its number is wrong".to_string(),
         sync::DB_NUMBER => "no DB is open, its number is wrong, or a reference is NULL".to_string(),
         sync::DI_NUMBER => "no instance DB is open, or its number is wrong".to_string(),
         sync::FC_NUMBER => format!("FC number {info} is too large"),
