@@ -125,7 +125,7 @@ impl Process {
     }
 
     async fn exchange(&self, request: Request<Body>) -> Result<Answer, String> {
-        let stream = tokio::net::TcpStream::connect(self.address).await.map_err(|error| error.to_string())?;
+        let stream = tokio::net::TcpStream::connect(self.address).await.map_err(|error| unreached(&error))?;
         let stream: Box<dyn tls::Stream> = match &self.secured {
             None => Box::new(stream),
             Some(config) => {
@@ -149,6 +149,14 @@ impl Process {
         let body: Bytes = to_bytes(Body::new(body), ANSWER_MAX).await.map_err(|error| error.to_string())?;
         let text = String::from_utf8_lossy(&body).into_owned();
         Ok(Answer { status: head.status.as_u16(), text, headers: head.headers })
+    }
+}
+
+/// Why nobody answers at an address.
+fn unreached(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::ConnectionRefused => format!("{error}: no process has its page here, as `--web` starts it"),
+        _ => error.to_string(),
     }
 }
 

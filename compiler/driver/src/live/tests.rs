@@ -291,7 +291,7 @@ fn what_cannot_be_changed_is_refused_and_the_old_program_goes_on() {
     ];
     let seen = run(compiled("line.scl", text), loads, &["MW10"], 6);
     let begins = [
-        "the running program is `line`, this one is `other`",
+        "the running program is `line`, this one is `other`; if it is another version of it, write `name = \"line\"` into",
         "the CPU is another one",
         "plc.toml sets",
         "there is no",

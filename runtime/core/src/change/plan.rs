@@ -173,7 +173,10 @@ fn shown(db: &DbEntry) -> String {
 /// Whether one program can take the place of the other at all. `Err`: why not.
 fn possible(old: &ProgramImage, new: &ProgramImage) -> Result<(), String> {
     if old.name != new.name {
-        return Err(format!("the running program is `{}`, this one is `{}`", old.name, new.name));
+        return Err(format!(
+            "the running program is `{}`, this one is `{}`; if it is another version of it, write `name = \"{0}\"` into its plc.toml",
+            old.name, new.name
+        ));
     }
     if old.profile != new.profile {
         return Err(format!(
