@@ -9,6 +9,9 @@ use crate::stl::mnemonics::{block_prefix, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::{CodeKeyword, HeaderField, HeaderFlag, Tok};
 
+/// Tokens of a type after the name of a data block, and the one after it.
+const TYPE_TOKENS_MAX: usize = 8;
+
 impl<'a> Classifier<'a, '_> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
@@ -29,6 +32,11 @@ impl<'a> Classifier<'a, '_> {
             self.no_program(opening);
         }
         self.block_name(self.slice(opening));
+        match frame {
+            Frame::Code => self.second_name(opening, function),
+            Frame::Data => self.colon_before_type(opening),
+            Frame::Type => {}
+        }
         if function && self.kind_at(self.at) == Some(RawKind::Colon) {
             let next = self.at + 1;
             let no_type = self.header_keyword(next)
@@ -63,6 +71,54 @@ impl<'a> Classifier<'a, '_> {
             self.header(frame);
         }
         self.end_of_block(opening, end_word);
+    }
+
+    /// `FUNCTION_BLOCK FB 1 "Motor"`, `FUNCTION_BLOCK "Motor" : FB 1`: what follows the name of a block on its line, up to the type of a
+    /// function.
+    fn second_name(&mut self, opening: RawToken, function: bool) {
+        let Some(first) = self.peek().filter(|token| !token.first_on_line) else { return };
+        let colon = first.kind == RawKind::Colon && !function && self.upper(self.at + 1).as_str() != "VOID";
+        if !colon && first.kind != RawKind::Quoted {
+            return;
+        }
+        let head = self.text[opening.start as usize..first.start as usize].trim_end();
+        let mut end = first.end;
+        self.at += 1;
+        while let Some(token) = self.peek().filter(|token| {
+            let is_part = !matches!(token.kind, RawKind::LeftBrace | RawKind::Title);
+            !token.first_on_line && is_part && !(function && token.kind == RawKind::Colon)
+        }) {
+            end = token.end;
+            self.at += 1;
+        }
+        let span = self.span_of(first.start as usize, end as usize);
+        let help = match colon {
+            true => format!("write `{head}`: only a FUNCTION has a type, and a symbol table has the other name"),
+            false => format!("write `{head}`: a symbol table has the other name"),
+        };
+        self.report(
+            Diagnostic::new(Code::BlockFrame, span, "the head of a block has one name").label("not read").help(help),
+        );
+    }
+
+    /// `DATA_BLOCK DB 1 : "Motor"`, if it has no structure of its own.
+    fn colon_before_type(&mut self, opening: RawToken) {
+        let Some(colon) = self.peek().filter(|token| token.kind == RawKind::Colon && !token.first_on_line) else {
+            return;
+        };
+        let mut rest = self.raw.iter().enumerate().skip(self.at + 1).take(TYPE_TOKENS_MAX);
+        let next_line = rest.find(|(_, token)| token.first_on_line).map_or(usize::MAX, |(at, _)| at);
+        if next_line == self.at + 1 || self.upper(next_line).as_str() == "STRUCT" {
+            return;
+        }
+        let head = self.text[opening.start as usize..colon.start as usize].trim_end();
+        let ty = self.text[colon.end as usize..].lines().next().unwrap_or_default().trim();
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(colon), "a data block has no `:` before its type")
+                .label("read without it")
+                .help(format!("write `{head} {ty}`")),
+        );
+        self.at += 1;
     }
 
     /// `PROGRAM Main`, which no CPU of STEP 7 calls; read as a function block.
