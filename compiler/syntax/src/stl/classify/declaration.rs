@@ -104,6 +104,7 @@ impl<'a> Classifier<'a, '_> {
             let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Struct | Tok::Section(_) | Tok::Constants));
             match token.kind {
                 RawKind::Word if self.ends_declarations(word) => break,
+                RawKind::Word | RawKind::Number if at_start && token.first_on_line && self.name_of_parts() => {}
                 RawKind::Word if word == "END_STRUCT" => {
                     self.close_declaration();
                     brackets = 0;
@@ -176,6 +177,49 @@ impl<'a> Classifier<'a, '_> {
             let end = self.last_end();
             self.push(end, Tok::Semicolon, end);
         }
+    }
+
+    /// `x-y : INT`, `1x : INT`, `motor speed : INT`: takes a name that is not one word, and reports it; `false`: it is something else.
+    fn name_of_parts(&mut self) -> bool {
+        const PARTS_MAX: usize = 8;
+        let mut rest = self.raw.iter().enumerate().skip(self.at).take(PARTS_MAX);
+        let ends = |(at, token): &(usize, &RawToken)| {
+            let is_part = matches!(token.kind, RawKind::Word | RawKind::Number | RawKind::Minus | RawKind::Dot);
+            !is_part || token.first_on_line && *at > self.at
+        };
+        let Some((after, _)) =
+            rest.find(ends).filter(|(_, token)| token.kind == RawKind::Colon && !token.first_on_line)
+        else {
+            return false;
+        };
+        let parts = &self.raw[self.at..after];
+        if parts.len() < 2 || (self.at..after).any(|at| self.upper(at).as_str() == "AT") {
+            return false;
+        }
+        let words = parts.iter().filter(|part| matches!(part.kind, RawKind::Word | RawKind::Number));
+        let mut meant = String::new();
+        let mut end = parts[0].start;
+        for word in words {
+            if !meant.is_empty() && word.start > end {
+                meant.push('_');
+            }
+            meant.push_str(self.slice(*word));
+            end = word.end;
+        }
+        if meant.starts_with(|c: char| c.is_ascii_digit()) {
+            meant.insert(0, '_');
+        }
+        let (start, end) = (parts[0].start as usize, parts[parts.len() - 1].end as usize);
+        let text = self.text;
+        let name = &text[start..end];
+        self.report(
+            Diagnostic::new(Code::DeclarationSyntax, self.span_of(start, end), format!("`{name}` is not a name"))
+                .label("a name is one word of letters, digits and `_` that begins with no digit")
+                .help(format!("write `{meant}`")),
+        );
+        self.push(start, Tok::Name(name), end);
+        self.at = after;
+        true
     }
 
     /// Whether the current word (upper case) ends all declarations: `END_VAR`, or a keyword that no declaration contains.
