@@ -31,6 +31,7 @@ impl Classifier<'_, '_> {
             self.no_program(opening);
         }
         self.block_name(opening);
+        self.second_name(opening, keyword);
         if keyword == Keyword::Function {
             if self.is_at(RawKind::Colon) {
                 self.take(Tok::Colon);
@@ -52,6 +53,34 @@ impl Classifier<'_, '_> {
         }
         self.header(frame);
         self.end_of_block(opening, keyword);
+    }
+
+    /// `FUNCTION "Motor" FC1 : Void`, `DATA_BLOCK "Data" DB5` before a structure: the second name is reported and passed over.
+    fn second_name(&mut self, opening: RawToken, keyword: Keyword) {
+        let Some(second) = self.peek().filter(|token| {
+            !token.first_on_line && matches!(token.kind, RawKind::Word | RawKind::Quoted) && token.keyword.is_none()
+        }) else {
+            return;
+        };
+        let next = self.raw.get(self.at + 1);
+        let is_name = match keyword {
+            Keyword::Function => next.is_some_and(|next| next.kind == RawKind::Colon && !next.first_on_line),
+            Keyword::DataBlock | Keyword::Type => {
+                next.is_some_and(|next| next.keyword == Some(Keyword::Struct) && next.first_on_line)
+            }
+            _ => false,
+        };
+        if !is_name || self.header_keyword(self.at) {
+            return;
+        }
+        let head = self.text[opening.start as usize..second.start as usize].trim_end();
+        let help = format!("write `{head}`; the other one is in the symbol table or the properties of the block");
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(second), "the head of a block has one name")
+                .label("not read")
+                .help(help),
+        );
+        self.at += 1;
     }
 
     /// `PROGRAM Main`, which no CPU calls.
