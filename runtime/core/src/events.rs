@@ -263,8 +263,18 @@ pub fn find_field(ob: u16, class: Option<ObClass>, name: &str) -> Option<&'stati
     let upper = name.to_ascii_uppercase();
     let short = upper.strip_prefix(&format!("OB{ob}_")).unwrap_or(&upper);
     let model = model(ob, class);
-    let specific = FIELDS.iter().filter(|(range, _)| range.contains(&model)).flat_map(|(_, fields)| fields.iter());
-    specific.chain(COMMON).find(|field| field.name == short)
+    fields_of(model).find(|field| field.name == short)
+}
+
+/// The names of the fields of the start information of `ob`, without `OB40_`.
+pub fn field_names(ob: u16, class: Option<ObClass>) -> impl Iterator<Item = &'static str> {
+    fields_of(model(ob, class)).map(|field| field.name)
+}
+
+/// The fields of an OB, those of its class first.
+fn fields_of(model: u16) -> impl Iterator<Item = &'static Field> {
+    let specific = FIELDS.iter().filter(move |(range, _)| range.contains(&model)).flat_map(|(_, fields)| fields.iter());
+    specific.chain(COMMON)
 }
 
 /// The event of `ob` with the usual start information; `None` for an OB that no event starts.

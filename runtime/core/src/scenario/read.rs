@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use plcc_abi::ProgramImage;
 use plcc_abi::image::AssertType;
 use plcc_abi::technology::CountMode;
+use plcc_literal::distance::nearest;
 use plcc_literal::toml_words;
 use serde::Deserialize;
 use toml::Spanned;
@@ -139,6 +140,9 @@ impl Reader<'_> {
             print.extend(found.or_else(|message| self.error(name.span().start, &message))?);
         }
         let plant = entry.plant.iter().map(|(name, value)| {
+            if self.plant.is_none() {
+                return self.error(value.span().start, "there is no plant; a scenario defines one in `[plant]`");
+            }
             let found = self.plant.and_then(|plant| plant.find_settable(name));
             match found.filter(|_| value.get_ref().is_finite()) {
                 Some(index) => Ok((index, *value.get_ref())),
@@ -345,8 +349,15 @@ fn parse_event(event: &toml::Value, image: &ProgramImage) -> Result<Event, Strin
             let name = table.get("ob").or_else(|| table.get("OB")).and_then(toml::Value::as_str);
             let mut event = number(name.ok_or("an event needs `ob = \"OB40\"`")?)?;
             for (key, given) in table.iter().filter(|(key, _)| !key.eq_ignore_ascii_case("ob")) {
-                let field = events::find_field(event.ob, image.config.class_of(event.ob), key)
-                    .ok_or_else(|| format!("the start information of OB {} has no field `{key}`", event.ob))?;
+                let class = image.config.class_of(event.ob);
+                let field = events::find_field(event.ob, class, key).ok_or_else(|| {
+                    let names: Vec<&str> = events::field_names(event.ob, class).collect();
+                    let help = match nearest(&key.to_ascii_uppercase(), names.iter().copied()) {
+                        Some(near) => format!("did you mean `{near}`?"),
+                        None => format!("it has {}", names.join(", ")),
+                    };
+                    format!("the start information of OB {} has no field `{key}`; {help}", event.ob)
+                })?;
                 let width = match field.bytes {
                     1 => address::Width::Byte,
                     2 => address::Width::Word,

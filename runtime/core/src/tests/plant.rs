@@ -150,6 +150,7 @@ fn what_is_wrong_in_a_plant_has_its_line() {
             "[plant.state]\na = 1\n[[at]]\ncycle = 1\nplant = { b = 1 }\n",
             "s.toml:5: `b` is neither a parameter nor a state",
         ),
+        ("[[at]]\ncycle = 1\nplant = { b = 1 }\n", "s.toml:3: there is no plant; a scenario defines one in `[plant]`"),
     ] {
         let message = Scenario::parse("s.toml", text, &cpu.image).unwrap_err();
         assert!(message.starts_with(expected), "{text}: {message}");

@@ -61,6 +61,22 @@ fn an_event_without_its_ob_is_told_with_its_line() {
 }
 
 #[test]
+fn fields_of_start_information_are_named() {
+    let cpu = cpu(Vec::new());
+    let told = |field: &str| {
+        let text = format!("[[at]]\ncycle = 1\nevent = {{ ob = \"OB40\", {field} = 3 }}\n");
+        Scenario::parse("s.toml", &text, &cpu.image).err().unwrap()
+    };
+    let near = told("MDL_ADR");
+    assert!(
+        near.ends_with("the start information of OB 40 has no field `MDL_ADR`; did you mean `MDL_ADDR`?"),
+        "{near}"
+    );
+    let all = told("foo");
+    assert!(all.contains("has no field `foo`; it has ") && all.contains("MDL_ADDR, "), "{all}");
+}
+
+#[test]
 fn addresses_outside_are_told_before_the_run() {
     let cpu = cpu(Vec::new());
     let scenario = Scenario::parse("s.toml", "[[at]]\ncycle = 1\nset = { \"MB9000\" = 1 }\n", &cpu.image).unwrap();
