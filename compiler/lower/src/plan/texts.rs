@@ -137,8 +137,7 @@ impl<'a> Calls<'a> {
     fn variable(&self, access: &Access) -> Option<GivenText> {
         let (Base::Place(place), DataType::String(maximum)) = (&access.base, &access.ty) else { return None };
         let is_there = access.indices.is_empty() && self.exists(place, u32::from(*maximum));
-        let declared = u8::try_from(*maximum).ok()?;
-        is_there.then_some(GivenText { declared, is_room: false })
+        is_there.then_some(GivenText { declared: *maximum, is_room: false })
     }
 }
 

@@ -277,7 +277,7 @@ fn whole_text(access: &Access) -> Option<(u32, u8)> {
         (Base::Place(Place::L { byte, bit: 0 }), DataType::String(maximum))
             if access.indices.is_empty() && access.part.is_none() =>
         {
-            Some((*byte, u8::try_from(*maximum).ok()?))
+            Some((*byte, *maximum))
         }
         _ => None,
     }

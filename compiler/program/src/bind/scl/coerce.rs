@@ -1,11 +1,12 @@
 //! Elementary values in the required type: implicit conversions, and the types of constants. `complex` has the other types.
 
+use plcc_abi::image::BlockKind;
 use plcc_binding::constant::Constant;
 use plcc_diag::{Code, Span};
-use plcc_model::Number;
 use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Function};
 use plcc_model::types::DataType;
+use plcc_model::{BlockKey, Direction, Number};
 use plcc_syntax::ast::BlockPrefix;
 use plcc_syntax::scl::ast::Expr as Node;
 use plcc_syntax::{Class, Elementary};
@@ -57,19 +58,31 @@ impl SclBinder<'_, '_> {
                             ty.name()
                         ))
                     }
-                    (Value::Complex { ty: DataType::Struct(structure), .. }, _) if structure.instance_of.is_some() => {
-                        let text = self.program.globals.text(other.span());
-                        let has_q = structure.members.iter().any(|member| member.name.eq_ignore_ascii_case("Q"));
-                        Some(match has_q && ty == Elementary::Bool {
-                            true => format!("name one of its outputs, as in `{text}.Q`"),
-                            false => format!("name one of its outputs: `{text}.output`"),
+                    (Value::Complex { ty: DataType::Struct(structure), .. }, _) => structure
+                        .instance_of
+                        .map(|(sfb, number)| BlockKey {
+                            kind: if sfb { BlockKind::Sfb } else { BlockKind::Fb },
+                            number,
                         })
-                    }
+                        .map(|key| self.name_output(key, ty, other.span())),
                     _ => None,
                 };
                 self.wrong_type(other.span(), &message::described(&other), ty.name(), help);
                 None
             }
+        }
+    }
+
+    /// What to write for an instance of `key` where a value of `ty` is expected: an output of this type, else any.
+    fn name_output(&mut self, key: BlockKey, ty: Elementary, span: Span) -> String {
+        let text = self.program.globals.text(span);
+        let bound = self.program.interface(key, span);
+        let parameters = bound.as_ref().map_or(&[][..], |bound| bound.interface.parameters.as_slice());
+        let mut outputs = parameters.iter().filter(|parameter| parameter.direction == Direction::Output);
+        let any = outputs.clone().next();
+        match outputs.find(|output| output.ty == DataType::Elementary(ty)).or(any) {
+            Some(output) => format!("name one of its outputs, as in `{text}.{}`", output.name),
+            None => format!("it has no outputs; name one of its values, as in `{text}.name`"),
         }
     }
 
