@@ -179,6 +179,13 @@ impl SclBinder<'_, '_> {
                     Diagnostic::new(Code::OperandKind, node.span, format!("`{text}` cannot be called"))
                         .label(format!("a variable of type {name}"))
                         .help(match (&access.ty, self.in_parentheses(node.span)) {
+                            (DataType::Array(array), inner)
+                                if matches!(&array.element, DataType::Struct(ty) if instance_key(ty).is_some()) =>
+                            {
+                                let first: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
+                                let inner = inner.unwrap_or_default();
+                                format!("call one of its instances, as `{text}[{}]({inner})`", first.join(", "))
+                            }
                             (DataType::Array(_), Some(index)) => format!("an element is `{text}[{index}]`"),
                             _ => "a call needs a function, a data block of a function block, or a variable whose type is a function block".to_owned(),
                         }),
