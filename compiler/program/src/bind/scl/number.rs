@@ -63,6 +63,7 @@ impl SclBinder<'_, '_> {
                 let nodes = [pins.get("MN")?, pins.get("IN")?, pins.get("MX")?];
                 let values = nodes.map(|node| self.value(ctx, node));
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+                self.check_limits(&values);
                 if let Some(kind) = ordered_kind(&values) {
                     return self.instruction_value(ctx, &format!("LIMIT_{kind}"), values, span);
                 }
@@ -227,6 +228,27 @@ impl SclBinder<'_, '_> {
         arguments.insert(0, selector?);
         let function = Function::Mux { has_else: otherwise.is_some() };
         Some(Value::Elementary(computed(function, arguments, ty, span)))
+    }
+
+    /// Warns of constant limits between which there is no value.
+    fn check_limits(&mut self, values: &[Value]) {
+        let number = |value: &Value| match value {
+            Value::Constant(Constant::Integer { value, .. }, _) => Some(*value as f64),
+            Value::Constant(Constant::Real(value), _) => Some(*value),
+            _ => None,
+        };
+        let [low, _, high] = values else { return };
+        if number(low).zip(number(high)).is_some_and(|(low, high)| low > high) {
+            let globals = &self.program.globals;
+            let (span, low, high) = (low.span(), globals.text(low.span()), globals.text(high.span()));
+            self.refuse(
+                Code::AlwaysSame,
+                span,
+                &format!("the lower limit `{low}` is above the upper limit `{high}`"),
+                "no value is between them",
+                "exchange the values of MN and MX",
+            );
+        }
     }
 
     /// MUX of values that are not single values: INELSE, unless K is the number of an input.
