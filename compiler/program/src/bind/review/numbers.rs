@@ -20,6 +20,9 @@ struct Number {
 /// Reports numbers of two kinds in one calculation.
 pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &SourceMap, found: &mut Vec<Diagnostic>) {
     let (mut accu1, mut accu2): (Option<Number>, Option<Number>) = (None, None);
+    for pair in statements.windows(2) {
+        found.extend(divided_by_zero(&pair[0], &pair[1]));
+    }
     for statement in statements {
         let StlStatementKind::Instruction { insn, operand } = &statement.kind else {
             (accu1, accu2) = (None, None);
@@ -76,6 +79,23 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
             _ => (accu1, accu2) = (None, None),
         }
     }
+}
+
+/// `L 0`, `/I`
+fn divided_by_zero(load: &StlStatement, division: &StlStatement) -> Option<Diagnostic> {
+    let (
+        StlStatementKind::Instruction { insn: StlInsn::Load, operand: Operand::Const { value: 0, .. } },
+        StlStatementKind::Instruction { insn: StlInsn::DivI | StlInsn::DivD | StlInsn::ModD, .. },
+    ) = (&load.kind, &division.kind)
+    else {
+        return None;
+    };
+    Some(
+        Diagnostic::new(Code::AlwaysSame, division.span, "this always divides by 0")
+            .label("sets OV and OS")
+            .also(load.span, "loaded here")
+            .help("load the divisor in the line before: a number that is not 0, or an address"),
+    )
 }
 
 /// Whether an instruction calculates with two numbers or compares them: with REAL, and whether it compares.
