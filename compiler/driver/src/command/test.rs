@@ -54,6 +54,10 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
     for scenario in find::lone_scenarios(paths, &tests) {
         let _ = writeln!(text, "no source next to the scenario: {}", scenario.display());
     }
+    for scenario in find::strayed_scenarios(&tests) {
+        let path = scenario.display();
+        let _ = writeln!(text, "not played, because scenarios of a project are below its folder `tests`: {path}");
+    }
     if let Some(part) = &args.filter {
         let found = tests.len();
         tests.retain(|test| testing::name_of(test).contains(part.as_str()));

@@ -141,6 +141,20 @@ pub fn lone_scenarios(paths: &[PathBuf], tests: &[TestInput]) -> Vec<PathBuf> {
     scenarios
 }
 
+/// Scenarios of projects that are not below `tests`: nothing plays them.
+pub fn strayed_scenarios(tests: &[TestInput]) -> Vec<PathBuf> {
+    let strayed = |test: &TestInput| match test {
+        TestInput::Project(folder) => {
+            let played = folder.join("tests");
+            let mut files = files_below(folder);
+            files.retain(|path| is_scenario(path) && !path.starts_with(&played));
+            files
+        }
+        TestInput::File(_) | TestInput::Program(_) => Vec::new(),
+    };
+    tests.iter().flat_map(strayed).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -187,5 +201,12 @@ mod tests {
         let folder = folder(&[("x/plc.toml", ""), ("x/main.stl", MAIN), ("x/f.stl", FUNCTION), ("b.stl", "A I 0.1\n")]);
         let root = folder.path();
         assert_eq!(tests_of(&folder), [TestInput::File(root.join("b.stl")), TestInput::Project(root.join("x"))]);
+        for file in ["x/main.scenario.toml", "x/tests/a.toml", "x/tests/b.scenario.toml"] {
+            let path = root.join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, "").unwrap();
+        }
+        // A scenario next to a source of a project is not played.
+        assert_eq!(strayed_scenarios(&tests_of(&folder)), [root.join("x/main.scenario.toml")]);
     }
 }
