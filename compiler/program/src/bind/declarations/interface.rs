@@ -280,6 +280,9 @@ impl<'a> Declarations<'a> {
             let (byte, bit) = placer.place(&ty);
             add_local(&mut bound.locals, variable, ty, Base::L, byte, bit);
         }
+        if key.kind == BlockKind::Ob {
+            self.refused_sections(block, bound, names, &mut placer);
+        }
         let bytes = u64::from(placer.size());
         if bytes > u64::from(plcc_abi::layout::L_CLASS_BYTES) {
             self.too_large(block.name.span(), "the temporary data of this block", bytes);
@@ -304,6 +307,26 @@ impl<'a> Declarations<'a> {
         if key.kind == BlockKind::Ob {
             bound.temp_bytes =
                 bound.temp_bytes.max(crate::bind::declarations::start_inputs::OB_START_INFORMATION_BYTES);
+        }
+    }
+
+    /// Parameters of an OB, which were reported where it does not have them: they are known, so that their uses are no errors too.
+    fn refused_sections(
+        &mut self,
+        block: &ast::CodeBlock,
+        bound: &mut BoundInterface,
+        names: &mut FxHashMap<String, Span>,
+        placer: &mut Placer,
+    ) {
+        let has_inputs = self.has_start_inputs(block);
+        for kind in [SectionKind::Input, SectionKind::Output, SectionKind::InOut] {
+            let refused = kind != SectionKind::Input || !has_inputs;
+            for variable in variables(block, kind).filter(|variable| refused && variable.at.is_none()) {
+                self.declare_name(names, &variable.name, variable.name_span);
+                let ty = self.variable_type(variable, Use::Temp).map_or(DataType::Void, |typed| typed.ty);
+                let (byte, bit) = placer.place(&ty);
+                add_local(&mut bound.locals, variable, ty, Base::L, byte, bit);
+            }
         }
     }
 

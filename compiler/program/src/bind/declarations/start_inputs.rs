@@ -68,12 +68,11 @@ impl Declarations<'_> {
             let Some(&(_, _, bits, value)) = known else {
                 if has_known_inputs(class) {
                     self.no_start_value(number, class, variable);
-                } else {
-                    // It is 0, as all local data of the OB at its start.
-                    let (byte, bit) = placer.place(&typed.ty);
-                    let local = Local { name: variable.name.clone(), ty: typed.ty, base: Base::L, byte, bit };
-                    bound.locals.entry(fold(&variable.name)).or_insert(local);
                 }
+                // It is 0, as all local data of the OB at its start; what was reported is known, so that its uses are no errors too.
+                let (byte, bit) = placer.place(&typed.ty);
+                let local = Local { name: variable.name.clone(), ty: typed.ty, base: Base::L, byte, bit };
+                bound.locals.entry(fold(&variable.name)).or_insert(local);
                 continue;
             };
             // Versions of the TIA Portal differ in whether a small number is a byte or a word.
@@ -96,6 +95,9 @@ impl Declarations<'_> {
                     .label(layout::type_name(&typed.ty))
                     .help(format!("declare it as {}", wanted.name())),
                 );
+                let (byte, bit) = placer.place(&typed.ty);
+                let local = Local { name: variable.name.clone(), ty: typed.ty, base: Base::L, byte, bit };
+                bound.locals.entry(fold(&variable.name)).or_insert(local);
                 continue;
             };
             let (byte, bit) = placer.place(&typed.ty);
