@@ -7,6 +7,7 @@ use super::settings::{self, Settings};
 use super::{Builder, Carried, Flow};
 use crate::sd::pragma::Attribute;
 use crate::sd::tree::Node;
+use plcc_syntax::Elementary;
 use plcc_syntax::network::absent;
 use plcc_syntax::network::ast::{Comparison, Element, Eno, Language, Pin, Storage, Target};
 use plcc_syntax::network::elements::{self, Gate, Kind, Row};
@@ -181,6 +182,9 @@ impl Builder<'_, '_> {
         }
         let foreign = FOREIGN.iter().find(|(other, _)| other.eq_ignore_ascii_case(name));
         let help = match foreign.map(|(_, own)| *own).or_else(|| elements::nearest_sd(name)) {
+            _ if let Some(own) = without_type(name, self.language) => {
+                format!("write `{own}`: the operands say of which type it is")
+            }
             Some(known) if foreign.is_some() => format!("write `{known}`"),
             Some(known) => {
                 format!("did you mean `{known}`? FCs and instance DBs are called with quotes, `\"{name}\"( … )`")
@@ -257,4 +261,15 @@ fn passes_through(row: &Row, node: &Node) -> bool {
             .arguments
             .iter()
             .all(|argument| argument.value.is_none() && argument.pin == crate::sd::tree::Pin::Unnamed)
+}
+
+/// `EQ_Contact` for `Eq_Int`, `Add` for `Add_Int`: names of elements in other tools end with the type.
+fn without_type(name: &str, language: Language) -> Option<String> {
+    let (stem, ty) = name.rsplit_once('_')?;
+    Elementary::from_word(&ty.to_ascii_uppercase())?;
+    let (row, _) = elements::find_sd(stem)?;
+    Some(match row.kind {
+        Kind::Compare(_) if language == Language::Lad => format!("{}_Contact", row.name),
+        _ => stem.to_string(),
+    })
 }
