@@ -5,7 +5,7 @@ use plcc_syntax::scl::ast::BinaryOp as Operator;
 use plcc_syntax::{Class, Elementary};
 
 use super::assign::value_of;
-use super::coerce::access_has_call;
+use super::coerce::{access_has_call, is_untyped};
 use super::complex::assignable;
 use super::convert::{self, Implicit};
 use super::expression::{binary_expr, constant_expr, typed_constant};
@@ -55,6 +55,7 @@ impl SclBinder<'_, '_> {
         let op = compare_op(op)?;
         let (left, right) =
             if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
+        let (left, right) = self.as_numbers(ctx, left, right)?;
         let compared = match Self::is_compared_again(&left, &right) {
             true => None,
             false => self.compared_type(ctx, &left, &right),
@@ -104,6 +105,31 @@ impl SclBinder<'_, '_> {
         }
     }
 
+    /// A duration, date or character next to an integer as the integer that it is: the values are compared, and `#time < #udint` is TRUE for
+    /// each negative duration. Other pairs stay, and those that do not convert.
+    fn as_numbers(&mut self, ctx: &mut SclBlock, left: Value, right: Value) -> Option<(Value, Value)> {
+        let (Shape::Of(a), Shape::Of(b)) = (Shape::of(&left), Shape::of(&right)) else { return Some((left, right)) };
+        let (rules, strict) = (ctx.scope.rules, ctx.scope.strict);
+        let becomes = |from, to| convert::implicit(rules, strict, from, to) == Implicit::Yes;
+        let is_address = |value: &Value| is_untyped(ctx, value.span());
+        let counts = compared_as_number(a, b) || compared_as_number(b, a);
+        if !counts || !(becomes(a, b) || becomes(b, a)) || is_address(&left) || is_address(&right) {
+            return Some((left, right));
+        }
+        let (left, right) = (self.as_number(ctx, left, b), self.as_number(ctx, right, a));
+        Some((left?, right?))
+    }
+
+    /// A duration, date or character as the integer that it is next to a value of type `other`; other values stay.
+    fn as_number(&mut self, ctx: &mut SclBlock, value: Value, other: Elementary) -> Option<Value> {
+        let rules = ctx.scope.rules;
+        let Some(integer) = Shape::of(&value).elementary().and_then(|ty| integer_of(ty, other)) else {
+            return Some(value);
+        };
+        let own = self.own_type(ctx, value)?;
+        convert::explicit_expr(rules, own, integer).map(Value::Elementary)
+    }
+
     /// `1 < x < 5`: the result of a comparison without brackets, next to a number.
     fn is_compared_again(left: &Value, right: &Value) -> bool {
         let Value::Elementary(Expr { kind: ExprKind::Compare { left: first, .. }, span, .. }) = left else {
@@ -142,7 +168,8 @@ impl SclBinder<'_, '_> {
                     return Some(ty);
                 }
                 let becomes = |from, to| convert::implicit(rules, strict, from, to) == Implicit::Yes;
-                let (shorter, longer) = if x.bits() <= y.bits() { (x, y) } else { (y, x) };
+                let x_first = if x.bits() == y.bits() { !holds_all(x, y) } else { x.bits() < y.bits() };
+                let (shorter, longer) = if x_first { (x, y) } else { (y, x) };
                 [(shorter, longer), (longer, shorter)]
                     .into_iter()
                     .find(|&(from, to)| becomes(from, to) && to.bits() >= from.bits())
@@ -250,6 +277,41 @@ impl SclBinder<'_, '_> {
             results.push(self.compare(ctx, operator, op_span, a, b, span)?);
         }
         balanced(join, results, span)
+    }
+}
+
+/// True of a type whose values next to one of type `other` are compared as numbers.
+fn compared_as_number(ty: Elementary, other: Elementary) -> bool {
+    match ty.class() {
+        Class::Duration => ty != Elementary::S5Time && other.is_integer(),
+        Class::Date | Class::Character => other.is_integer(),
+        Class::Bits | Class::Signed | Class::Unsigned | Class::Float => false,
+    }
+}
+
+/// The integer that a duration, date or character is next to a value of type `other`; dates and times of day fit signed ones too.
+fn integer_of(ty: Elementary, other: Elementary) -> Option<Elementary> {
+    let is_signed = other.class() == Class::Signed;
+    Some(match (ty.class(), ty.bits()) {
+        (Class::Character, 8) => Elementary::Usint,
+        (Class::Date | Class::Character, 16) => Elementary::Uint,
+        (Class::Duration, 32) => Elementary::Dint,
+        (Class::Date, 32) if is_signed => Elementary::Dint,
+        (Class::Date, 32) => Elementary::Udint,
+        (Class::Duration, 64) => Elementary::Lint,
+        (Class::Date, 64) if is_signed => Elementary::Lint,
+        (Class::Date, 64) => Elementary::Ulint,
+        _ => return None,
+    })
+}
+
+/// Whether `ty` has a value for each one of type `other`, which is as wide: a duration for each date and bit string, bits for each date
+/// and character.
+fn holds_all(ty: Elementary, other: Elementary) -> bool {
+    match ty.class() {
+        Class::Duration => matches!(other.class(), Class::Date | Class::Bits),
+        Class::Bits => matches!(other.class(), Class::Date | Class::Character),
+        Class::Signed | Class::Unsigned | Class::Float | Class::Date | Class::Character => false,
     }
 }
 
