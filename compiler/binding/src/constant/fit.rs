@@ -117,7 +117,8 @@ pub fn in_range(ty: Elementary, value: i128) -> Option<u64> {
 /// An integer without a type. Bits (`16#FFFF`) also mean the negative number with this pattern.
 fn untyped(value: i128, based: bool, ty: Elementary) -> Result<u64, Mismatch> {
     match ty.class() {
-        Class::Float if ty == Elementary::Real => real(value as f64),
+        // Every integer that can be written fits a REAL.
+        Class::Float if ty == Elementary::Real => Ok(u64::from((value as f32).to_bits())),
         Class::Float => Ok((value as f64).to_bits()),
         Class::Bits | Class::Signed | Class::Unsigned => {
             let half = 1i128 << (ty.bits() - 1);
@@ -126,6 +127,24 @@ fn untyped(value: i128, based: bool, ty: Elementary) -> Result<u64, Mismatch> {
         }
         Class::Character | Class::Duration | Class::Date => Err(Mismatch::Type),
     }
+}
+
+/// Whether the digits of a number, not the LREAL that is nearest to them, decide which REAL is nearest: the LREAL is halfway between two.
+pub fn is_halfway(value: f64) -> bool {
+    let near = value as f32;
+    let rest = value - f64::from(near);
+    let other = if rest > 0.0 { near.next_up() } else { near.next_down() };
+    rest != 0.0 && f64::from(other) - value == rest
+}
+
+/// The REAL that is nearest to the number in a text, if that number is `value`.
+pub fn nearest_real(value: f64, text: &str) -> Option<f32> {
+    let digits: String = text.chars().filter(|letter| !matches!(letter, '_' | ' ')).collect();
+    if !digits.trim_start_matches(['+', '-']).starts_with(|first: char| first.is_ascii_digit()) {
+        return None;
+    }
+    let (long, short): (f64, f32) = (digits.parse().ok()?, digits.parse().ok()?);
+    (long == value).then_some(short)
 }
 
 fn real(value: f64) -> Result<u64, Mismatch> {
@@ -214,6 +233,7 @@ mod tests {
         assert_eq!(int(3).bits(Elementary::Real), Ok(0x4040_0000));
         assert_eq!(int(3).bits(Elementary::Time), Err(Mismatch::Type));
         assert_eq!(Constant::Real(1e39).bits(Elementary::Real), Err(Mismatch::Range));
+        assert_eq!(int(9_007_199_791_611_905).bits(Elementary::Real), Ok(0x5A00_0001));
         assert_eq!(Constant::Real(0.5).bits(Elementary::Lreal), Ok(0x3FE0_0000_0000_0000));
         assert_eq!(Constant::Real(1.0).bits(Elementary::Int), Err(Mismatch::Type));
     }
@@ -243,5 +263,16 @@ mod tests {
         );
         let euro = Constant::Text { bytes: vec![0x80], typed: false };
         assert_eq!(bytes(&euro, &DataType::WideString(1)), Ok(vec![0, 1, 0, 1, 0x20, 0xAC]));
+    }
+
+    #[test]
+    fn rounds_digits_once() {
+        let text = "-1.000_000_178_813_934_326_171_874_99";
+        let value = -1.000_000_178_813_934_3;
+        assert!(is_halfway(value));
+        assert_eq!(nearest_real(value, text).map(f32::to_bits), Some(0xBF80_0001));
+        assert_eq!(nearest_real(value, "infinity"), None);
+        assert_eq!(nearest_real(value, "2.5"), None);
+        assert!(!is_halfway(0.1) && !is_halfway(1.5) && !is_halfway(0.0) && !is_halfway(f64::MAX));
     }
 }

@@ -414,7 +414,10 @@ impl Declarations<'_> {
         byte: u32,
         bit: u8,
     ) -> Option<()> {
-        let bytes = Globals::constant_bytes(constant, ty);
+        let bytes = match ty {
+            DataType::Elementary(own) => Globals::constant_bytes(&self.globals.nearest(constant, *own, span), ty),
+            _ => Globals::constant_bytes(constant, ty),
+        };
         self.encode_bytes(bytes, &constant.describe(), span, ty, image, byte, bit)
     }
 

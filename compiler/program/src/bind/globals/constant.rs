@@ -56,7 +56,7 @@ impl Globals<'_> {
     ///
     /// Source: SCL reference, type of a literal. An integer without a type fits every type that can hold it, `16#FFFF` also an INT.
     pub fn constant_bits(&mut self, constant: &Constant, ty: Elementary, span: Span) -> Option<u64> {
-        match constant.bits(ty) {
+        match self.nearest(constant, ty, span).bits(ty) {
             Ok(bits) => Some(bits),
             Err(problem) => {
                 let (name, text) = (ty.name(), self.text(span));
@@ -76,6 +76,19 @@ impl Globals<'_> {
                 });
                 None
             }
+        }
+    }
+
+    /// A number without a type as the REAL that is nearest to its digits, where another one is nearest to its LREAL; else the constant.
+    pub fn nearest(&self, constant: &Constant, ty: Elementary, span: Span) -> Constant {
+        match constant {
+            Constant::Real(value) if ty == Elementary::Real && fit::is_halfway(*value) => {
+                match fit::nearest_real(*value, &self.text(span)) {
+                    Some(near) => Constant::Typed { ty, bits: u64::from(near.to_bits()) },
+                    None => constant.clone(),
+                }
+            }
+            other => other.clone(),
         }
     }
 

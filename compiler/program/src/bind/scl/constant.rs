@@ -63,7 +63,8 @@ impl SclBinder<'_, '_> {
                     }
                     give(low_bits(*value, ty))
                 }
-                Class::Float => give(float_bits(*value as f64, ty)),
+                Class::Float if ty == Elementary::Real => give(u64::from((*value as f32).to_bits())),
+                Class::Float => give((*value as f64).to_bits()),
                 Class::Character | Class::Duration | Class::Date => {
                     let own = default_type(rules, constant);
                     let own = if *based && own == Elementary::Int { Elementary::Word } else { own };
@@ -78,7 +79,10 @@ impl SclBinder<'_, '_> {
                 }
             },
             Constant::Real(value) => match ty.class() {
-                Class::Float => give(float_bits(*value, ty)),
+                Class::Float => match self.program.globals.nearest(constant, ty, span) {
+                    Constant::Typed { bits, .. } => give(bits),
+                    _ => give(float_bits(*value, ty)),
+                },
                 _ => {
                     let value = Expr {
                         kind: ExprKind::Const(float_bits(*value, Elementary::Real)),
