@@ -2,7 +2,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_binding::constant::Constant;
-use plcc_diag::{Code, Span};
+use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{Access, BinaryOp, Expr, ExprKind, Function};
 use plcc_model::types::DataType;
@@ -15,7 +15,7 @@ use super::complex::converts_dates;
 use super::convert::{self, Implicit};
 use super::expression::constant_expr;
 use super::value::Value;
-use super::{Rules, constant, message};
+use super::{Rules, bounds, constant, message};
 use crate::bind::scl::{SclBinder, SclBlock};
 
 /// Functions of a REAL or LREAL.
@@ -134,12 +134,67 @@ impl SclBinder<'_, '_> {
                 match constant::computed(&value).filter(|_| ty.is_integer()) {
                     Some(number) if constant::fits(number, false, ty) => {}
                     Some(number) => self.value_lost(rules, span, number, ty),
+                    None if bounds::fits(&value, ty) => {}
                     None => self.may_lose(&ctx.scope, span, from, ty),
                 }
             }
-            Implicit::Yes => {}
+            Implicit::Yes => self.too_late_for_target(ctx, &value, ty),
         }
         convert::explicit_expr(rules, value, ty)
+    }
+
+    /// Warns of a function that would have the type of its target if it stood alone, but is part of a shorter expression:
+    /// `#lint := ROUND(#lreal) * 2` computes a DINT. Source: SCL reference: the target does not decide on the type of an expression.
+    fn too_late_for_target(&mut self, ctx: &SclBlock, value: &Expr, ty: Elementary) {
+        let is_longer = ty.bits() > value.ty.bits() && value.ty.is_integer() == ty.is_integer();
+        if ctx.scope.is_network() || !(is_longer || ty == Elementary::Lreal) {
+            return;
+        }
+        let Some(part) = self.function_of_own_type(ctx.scope.rules, value, ty) else { return };
+        let text = self.program.globals.text(part.span);
+        let Some((name, rest)) = text.split_once('(') else { return };
+        let (own, target) = (part.ty.name(), ty.name());
+        self.program.report(
+            Diagnostic::new(Code::Narrowing, part.span, format!("`{text}` is of type {own} here, not {target}"))
+                .label(format!("what does not fit {own} is lost before it becomes {target}"))
+                .help(format!("write `{}_{target}({rest}`", name.trim())),
+        );
+    }
+
+    /// Such a function in an expression, if it may lose something.
+    fn function_of_own_type<'e>(&self, rules: Rules, value: &'e Expr, ty: Elementary) -> Option<&'e Expr> {
+        let of_value = |value: &'e Expr| self.function_of_own_type(rules, value, ty);
+        match &value.kind {
+            ExprKind::Binary {
+                op: BinaryOp::ShiftLeft | BinaryOp::ShiftRight | BinaryOp::RotateLeft | BinaryOp::RotateRight,
+                left,
+                right,
+            } => {
+                let constants = matches!((&left.kind, &right.kind), (ExprKind::Const(_), ExprKind::Const(_)));
+                (!constants && self.of_target_type(rules, value, ty).is_some()).then_some(value)
+            }
+            ExprKind::Unary { operand, .. } => of_value(operand),
+            ExprKind::Binary { left, right, .. } => of_value(left).or_else(|| of_value(right)),
+            ExprKind::Function { function: Function::Limit, arguments } => arguments.iter().find_map(of_value),
+            ExprKind::Function { function: Function::Select | Function::Mux { .. }, arguments } => {
+                arguments.iter().skip(1).find_map(of_value)
+            }
+            ExprKind::Function { function: Function::Decode, arguments } => {
+                let is_low = |bit: &Expr| matches!(bit.kind, ExprKind::Const(bit) if bit < u64::from(value.ty.bits()));
+                let lost = !arguments.iter().all(is_low);
+                (lost && self.of_target_type(rules, value, ty).is_some()).then_some(value)
+            }
+            // An implicit conversion, as in `SHL(IN := 1, N := #n) + 1`.
+            ExprKind::Convert { operand, .. } if operand.span == value.span && !operand.ty.is_float() => {
+                of_value(operand)
+            }
+            ExprKind::Convert { operand, .. } => {
+                let lost = ty.is_integer() || operand.ty == Elementary::Lreal;
+                let rounds = lost && self.is_rounding_without_type(rules, value);
+                (rounds && self.of_target_type(rules, value, ty).is_some()).then_some(value)
+            }
+            _ => None,
+        }
     }
 
     /// The value for an address that takes the type of what is written to it; `ty`: the bit string of its width.

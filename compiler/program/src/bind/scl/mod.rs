@@ -2,7 +2,8 @@
 //!
 //! - `statement`: statements and loops; `assign`: assignments; `case`: CASE; `flow`: labels, jumps and data that is never written.
 //! - `expression`: operators; `numeric`: the types that they work in; `time`: dates and times; `compare`: comparisons.
-//! - `convert`: the conversions of each dialect; `coerce`, `complex`: values in the required type; `constant`: constants in their context.
+//! - `convert`: the conversions of each dialect; `coerce`, `complex`: values in the required type; `constant`: constants in their context;
+//!   `bounds`: between which values an expression stays.
 //! - `access`: variables; `operand`: a name or an address alone; `component`: components and slices; `peripheral`: `:P`; `indexed`: indexed
 //!   addresses; `place`: what all these result in.
 //! - `call`: calls; `callee`: what they name; `instance`: instances in them; `unknown_function`: names without a meaning; `arguments`,
@@ -19,6 +20,7 @@ mod address_numbers;
 mod arguments;
 mod array;
 pub(in crate::bind) mod assign;
+mod bounds;
 pub(in crate::bind) mod call;
 pub(in crate::bind) mod callee;
 mod case;
