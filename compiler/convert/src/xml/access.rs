@@ -3,7 +3,7 @@
 use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, CodeBlock, OperandKind, Width};
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 
-use super::{Uids, name_of};
+use super::{Library, Uids};
 use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
@@ -206,10 +206,10 @@ fn place(area: &str, width: Width, byte: u32, bit: u8) -> Node {
 }
 
 /// The name of a block in a call, if it is one.
-pub fn block_name(value: &Expr) -> Option<String> {
+pub fn block_name(value: &Expr, library: &Library) -> Option<String> {
     match &value.kind {
         ExprKind::Name(name) => Some(name.text.clone()),
-        ExprKind::Absolute(OperandKind::Block(name)) => Some(name_of(name)),
+        ExprKind::Absolute(OperandKind::Block(name)) => Some(library.own_name(name)),
         _ => None,
     }
 }

@@ -279,7 +279,7 @@ impl<'a> Maker<'a> {
 
     /// The name of the block that is called, and its instance.
     fn called<'e>(&self, callee: &'e Expr, instance: Option<&'e Expr>) -> Option<(String, Option<&'e Expr>)> {
-        if let Some(name) = access::block_name(callee) {
+        if let Some(name) = access::block_name(callee, self.library) {
             let is_local = match &callee.kind {
                 ExprKind::Name(name) => access::whose(&name.text, name.form, self.block) != Whose::Global,
                 _ => false,

@@ -2,12 +2,18 @@
 
 use plcc_syntax::ast::{BlockName, Header};
 
-use super::library::name_of;
+use super::library::{Library, name_of};
 use crate::node::Node;
 use crate::writer::Writer;
 
 /// The attributes that all objects have.
-pub(super) fn attributes(name: &BlockName, header: &Header, interface: Option<Node>, language: &str) -> Node {
+pub(super) fn attributes(
+    name: &BlockName,
+    header: &Header,
+    interface: Option<Node>,
+    language: &str,
+    library: &Library,
+) -> Node {
     let mut list = Node::new("AttributeList");
     let number = match name {
         BlockName::Numbered { number, .. } => Some(*number),
@@ -35,7 +41,7 @@ pub(super) fn attributes(name: &BlockName, header: &Header, interface: Option<No
     if let Some(optimized) = attribute(header, &["S7_Optimized_Access", "S7_Optimized"]) {
         set(&mut list, "MemoryLayout", if optimized.eq_ignore_ascii_case("TRUE") { "Optimized" } else { "Standard" });
     }
-    set(&mut list, "Name", name_of(name));
+    set(&mut list, "Name", library.own_name(name));
     if let Some(number) = number {
         set(&mut list, "Number", number.to_string());
     }

@@ -34,38 +34,50 @@ pub struct Library {
 }
 
 impl Library {
-    pub fn new<'a>(units: impl Iterator<Item = &'a SourceUnit>) -> Library {
+    pub fn new<'a>(units: impl Iterator<Item = &'a SourceUnit> + Clone) -> Library {
+        Library::with_symbols(units, &[])
+    }
+
+    /// With the names that symbol tables give to numbered blocks: `FUNCTION_BLOCK FB 10` has the name of its symbol.
+    pub fn with_symbols<'a>(units: impl Iterator<Item = &'a SourceUnit> + Clone, tables: &[SymbolTable]) -> Library {
         let mut library = Library { members: system::members().collect(), ..Library::default() };
+        for block in units.clone().flat_map(|unit| &unit.blocks) {
+            let (prefix, name, header) = match block {
+                Block::Code(block) => (prefix_of(block.kind), &block.name, &block.header),
+                Block::Data(block) => (BlockPrefix::Db, &block.name, &block.header),
+                Block::Type(_) => continue,
+            };
+            if let BlockName::Symbol { name, .. } = name
+                && let Some(number) = number_in(header).or_else(|| number_of(name, prefix))
+            {
+                library.names.insert((prefix, number), name.clone());
+            }
+        }
+        for symbol in tables.iter().flat_map(|table| &table.symbols) {
+            if let SymbolTarget::Block { prefix, number } = symbol.target {
+                library.names.entry((prefix, number)).or_insert_with(|| symbol.name.clone());
+            }
+        }
         for block in units.flat_map(|unit| &unit.blocks) {
             match block {
                 Block::Code(block) => {
                     let members = block.sections.iter().flat_map(|section| section.variables.clone()).collect();
-                    let name = folded(&block.name);
+                    let name = library.folded(&block.name);
                     library.members.insert(name.clone(), members);
                     library.blocks.insert(name, (block.kind, block.sections.clone(), block.return_type.clone()));
-                    let prefix = match block.kind {
-                        CodeKind::Ob => BlockPrefix::Ob,
-                        CodeKind::Fc => BlockPrefix::Fc,
-                        CodeKind::Fb => BlockPrefix::Fb,
-                        CodeKind::Sfc => BlockPrefix::Sfc,
-                        CodeKind::Sfb => BlockPrefix::Sfb,
-                    };
-                    if let BlockName::Symbol { name, .. } = &block.name
-                        && let Some(number) = number_in(&block.header).or_else(|| number_of(name, prefix))
-                    {
-                        library.names.insert((prefix, number), name.clone());
-                    }
                 }
                 Block::Type(block) => {
-                    library.types.push(folded(&block.name));
-                    library.members.insert(folded(&block.name), block.members.clone());
+                    let name = library.folded(&block.name);
+                    library.types.push(name.clone());
+                    library.members.insert(name, block.members.clone());
                 }
                 Block::Data(block) => {
-                    library.data.push(folded(&block.name));
+                    let name = library.folded(&block.name);
+                    library.data.push(name.clone());
                     match &block.content {
                         DataContent::OfType(ty) => {
                             if let TypeKind::Block(of) = &ty.kind {
-                                library.instances.insert(folded(&block.name), of.clone());
+                                library.instances.insert(name, of.clone());
                             }
                             library.data_types.push(ty.clone());
                         }
@@ -79,15 +91,6 @@ impl Library {
             }
         }
         library
-    }
-
-    /// Adds the names that symbol tables give to numbered blocks.
-    pub fn add_symbols(&mut self, tables: &[SymbolTable]) {
-        for symbol in tables.iter().flat_map(|table| &table.symbols) {
-            if let SymbolTarget::Block { prefix, number } = symbol.target {
-                self.names.entry((prefix, number)).or_insert_with(|| symbol.name.clone());
-            }
-        }
     }
 
     /// Adds the members of the blocks and data types of the system that the sources name. `find`: those of one.
@@ -145,7 +148,18 @@ impl Library {
 
     /// The name of a block in the file.
     pub(super) fn block_name(&self, name: &BlockName) -> String {
-        self.standard_name(name).map_or_else(|| name_of(name), str::to_string)
+        self.standard_name(name).map_or_else(|| self.own_name(name), str::to_string)
+    }
+
+    /// The name of a block of the program; one with only a number has that of its symbol.
+    pub(super) fn own_name(&self, name: &BlockName) -> String {
+        let BlockName::Numbered { prefix, number, .. } = name else { return name_of(name) };
+        let prefix = if *prefix == BlockPrefix::Di { BlockPrefix::Db } else { *prefix };
+        self.names.get(&(prefix, *number)).cloned().unwrap_or_else(|| name_of(name))
+    }
+
+    pub(super) fn folded(&self, name: &BlockName) -> String {
+        self.own_name(name).to_lowercase()
     }
 
     /// The name of a numbered block of the CPU or of a library, `TON` of SFB 4; `None`: the program may have another one.
@@ -159,7 +173,7 @@ impl Library {
             BlockPrefix::Ob | BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => return None,
         };
         let block = plcc_stdlib::find(class, u16::try_from(*number).ok()?)?;
-        if block.is_tia() || self.members.contains_key(&folded(name)) {
+        if block.is_tia() || self.members.contains_key(&self.folded(name)) {
             return None;
         }
         // Blocks of the CPU cannot be replaced.
@@ -169,11 +183,17 @@ impl Library {
     }
 }
 
-pub(super) fn folded(name: &BlockName) -> String {
-    name_of(name).to_lowercase()
+fn prefix_of(kind: CodeKind) -> BlockPrefix {
+    match kind {
+        CodeKind::Ob => BlockPrefix::Ob,
+        CodeKind::Fc => BlockPrefix::Fc,
+        CodeKind::Fb => BlockPrefix::Fb,
+        CodeKind::Sfc => BlockPrefix::Sfc,
+        CodeKind::Sfb => BlockPrefix::Sfb,
+    }
 }
 
-/// The name of a block; one with only a number gets a name of it.
+/// The name of a block; one with only a number, and without a symbol, gets a name of it.
 pub(super) fn name_of(name: &BlockName) -> String {
     match name {
         BlockName::Symbol { name, .. } => name.clone(),
@@ -186,7 +206,7 @@ pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer)
     if let Some(standard) = library.standard_name(name) {
         return standard.to_string();
     }
-    let found = name_of(name);
+    let found = library.own_name(name);
     if let BlockName::Numbered { span, .. } = name
         && !library.members.contains_key(&found.to_lowercase())
         && !library.data.contains(&found.to_lowercase())

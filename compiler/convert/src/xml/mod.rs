@@ -38,7 +38,7 @@ use crate::node::{self, Node};
 use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
 use header::{attributes, check_header};
-use library::{folded, name_of, referred};
+use library::{name_of, referred};
 
 /// The text of a comment. Only `//@` is an assertion; another comment that begins with `@` keeps its brackets.
 pub(super) fn comment_text(comment: &str) -> String {
@@ -216,7 +216,7 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
     after.extend(writer.lines_before(block.span.end));
     let mut list = Node::new("ObjectList").children(units);
     list.children.extend(texts(&block.header, before, after, ids));
-    let mut attributes = attributes(&block.name, &block.header, Some(interface), language);
+    let mut attributes = attributes(&block.name, &block.header, Some(interface), language, library);
     if let Code::Chart(chart) = &block.code {
         chart::settings(chart, &mut attributes, writer);
     }
@@ -296,7 +296,7 @@ fn data_type(
     let interface = interface::of_members("None", &block.members, &[], library, writer);
     let after = writer.lines_before(block.span.end);
     check_header(&block.name, &block.header, writer);
-    let mut list = attributes(&block.name, &block.header, Some(interface), "");
+    let mut list = attributes(&block.name, &block.header, Some(interface), "", library);
     list.children.retain(|child| !matches!(child.name, "AutoNumber" | "ProgrammingLanguage"));
     let texts = Node::new("ObjectList").children(texts(&block.header, before, after, ids));
     Some(Node::new("SW.Types.PlcStruct").with("ID", ids.next()).child(list).child(texts))
@@ -343,7 +343,7 @@ fn data(
             }
             let more = match &ty.kind {
                 TypeKind::Block(of) if library.standard_name(of).is_none() => {
-                    let is_type = library.types.contains(&folded(of));
+                    let is_type = library.types.contains(&library.folded(of));
                     let kind = if is_type { "UDT" } else { "FB" };
                     vec![Node::of("InstanceOfName", referred(of, library, writer)), Node::of("InstanceOfType", kind)]
                 }
@@ -366,7 +366,7 @@ fn data(
         }
     };
     let after = writer.lines_before(block.span.end);
-    let mut list = attributes(&block.name, &block.header, Some(interface), "DB");
+    let mut list = attributes(&block.name, &block.header, Some(interface), "DB", library);
     list.children.append(&mut more);
     let texts = Node::new("ObjectList").children(texts(&block.header, before, after, ids));
     Some(Node::new(kind).with("ID", ids.next()).child(list).child(texts))

@@ -101,9 +101,8 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     };
     if messages.is_empty() {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
-        let mut library = xml::Library::new(parsed.units.iter().map(|(_, unit)| unit));
+        let mut library = xml::Library::with_symbols(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         if to == ConvertTo::Xml {
-            library.add_symbols(&parsed.tables);
             library.add_system(plcc_program::system_members);
         }
         let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());

@@ -205,6 +205,75 @@ END_ORGANIZATION_BLOCK
     assert!(text(&made.stderr).contains("FC 105 has no name"), "{}", text(&made.stderr));
 }
 
+/// A block that the source numbers and the symbol table names has that name in XML: calls and operands use it.
+#[test]
+fn numbered_blocks_become_xml_with_the_names_of_their_symbols() {
+    const BLOCKS: &str = r#"FUNCTION_BLOCK FB 10
+VAR_INPUT
+  n : INT;
+END_VAR
+VAR_OUTPUT
+  m : INT;
+END_VAR
+BEGIN
+NETWORK
+      L     #n;
+      T     #m;
+END_FUNCTION_BLOCK
+FUNCTION FC 5 : VOID
+VAR_INPUT
+  n : INT;
+END_VAR
+BEGIN
+NETWORK
+      L     #n;
+      T     MW 10;
+END_FUNCTION
+FUNCTION FC 6 : VOID
+BEGIN
+NETWORK
+      CALL FB 10, DB 10 (n := 1);
+      CALL FC 5 (n := DB10.DBW 2);
+END_FUNCTION
+DATA_BLOCK DB 10 FB 10
+BEGIN
+END_DATA_BLOCK
+"#;
+    const MAIN: &str = r#"{ S7_BlockNumber := "1"; S7_PreferredLanguage := "LAD" }
+ORGANIZATION_BLOCK Main
+    VAR_TEMP
+        k : Int;
+    END_VAR
+    { S7_Language := "LAD" }
+    NETWORK
+        RUNG wire#powerrail  Contact( %I0.0 )  "Motor_DB"( n := 3, m => #k )  "Calc"( n := #k )  "Both"()  END_RUNG
+    END_NETWORK
+END_ORGANIZATION_BLOCK
+"#;
+    const SYMBOLS: &str = "\"Motor\",\"FB 10\",\"FB 10\",\"\"\n\"Motor_DB\",\"DB 10\",\"FB 10\",\"\"\n\"Calc\",\"FC 5\",\"FC 5\",\"\"\n\
+                           \"Both\",\"FC 6\",\"FC 6\",\"\"\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::create_dir(folder.join("plant")).expect("the folder can be made");
+    for (name, text) in [("blocks.stl", BLOCKS), ("main.s7dcl", MAIN), ("symbols.sdf", SYMBOLS)] {
+        fs::write(folder.join("plant").join(name), text).expect("the folder can be written");
+    }
+    let made = plcc(folder, &["convert", "plant", "--to", "xml", "-o", "made/", "--cpu", "315-2DP"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let read = |name: &str| fs::read_to_string(folder.join("made").join(name)).expect("it is written");
+    let (blocks, main) = (read("blocks.xml"), read("main.xml"));
+    for found in ["<Name>Motor</Name>", "<Name>Motor_DB</Name>", "<Name>Calc</Name>", "<Number>10</Number>"] {
+        assert!(blocks.contains(found), "{found} in\n{blocks}");
+    }
+    assert!(blocks.contains("<InstanceOfName>Motor</InstanceOfName>"), "{blocks}");
+    assert!(!blocks.contains("FB_10") && !blocks.contains("FC_5"), "{blocks}");
+    for found in [r#"<CallInfo Name="Motor" BlockType="FB">"#, r#"<CallInfo Name="Calc" BlockType="FC">"#] {
+        assert!(main.contains(found), "{found} in\n{main}");
+    }
+    let checked = plcc(folder, &["check", "made", "--cpu", "315-2DP"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
 /// Comments of statements in an export are in the project as those of a source are.
 #[test]
 fn comments_of_exports_reach_projects() {
