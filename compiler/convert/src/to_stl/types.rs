@@ -23,21 +23,21 @@ pub struct Types<'a> {
     function_blocks: HashMap<String, &'a BlockName>,
     /// Blocks with code, by folded names.
     blocks: HashMap<String, &'a CodeBlock>,
-    /// The number of a block for its symbol, and its symbol for the number.
-    other_names: HashMap<String, String>,
 }
 
 impl<'a> Types<'a> {
     pub fn new(units: impl Iterator<Item = &'a SourceUnit>, tables: &[SymbolTable]) -> Types<'a> {
         let mut types = Types::default();
+        // The number of a block for its symbol, and its symbol for the number.
+        let mut other_names = HashMap::new();
         for symbol in tables.iter().flat_map(|table| &table.symbols) {
             if let Some(ty) = elementary(&symbol.ty) {
                 types.symbols.insert(symbol.name.to_lowercase(), ty);
             }
             if let SymbolTarget::Block { prefix, number } = symbol.target {
                 let (name, number) = (symbol.name.to_lowercase(), format!("{} {number}", prefix.letters()));
-                types.other_names.insert(number.clone(), name.clone());
-                types.other_names.insert(name, number);
+                other_names.insert(number.clone(), name.clone());
+                other_names.insert(name, number);
             }
         }
         for block in units.flat_map(|unit| &unit.blocks) {
@@ -65,7 +65,21 @@ impl<'a> Types<'a> {
                 Block::Code(_) => {}
             }
         }
+        types.add_other_names(&other_names);
         types
+    }
+
+    /// What the sources declare by a number is known by its symbol too, and the other way round.
+    fn add_other_names(&mut self, names: &HashMap<String, String>) {
+        for (one, other) in names {
+            for (from, to) in [(one, other), (other, one)] {
+                copy(&mut self.data, from, to);
+                copy(&mut self.types, from, to);
+                copy(&mut self.instances, from, to);
+                copy(&mut self.function_blocks, from, to);
+                copy(&mut self.blocks, from, to);
+            }
+        }
     }
 
     /// The block whose instance a data block is.
@@ -102,7 +116,7 @@ impl<'a> Types<'a> {
     /// Where a called block of the sources declares a parameter.
     pub fn section(&self, call: &Call, parameter: &str, block: &CodeBlock) -> Option<SectionKind> {
         let name = key(&self.called(call, block)?);
-        let called = self.blocks.get(&name).or_else(|| self.blocks.get(self.other_names.get(&name)?))?;
+        let called = self.blocks.get(&name)?;
         if called.return_type.is_some() && parameter.eq_ignore_ascii_case("RET_VAL") {
             return Some(SectionKind::Output);
         }
@@ -114,7 +128,7 @@ impl<'a> Types<'a> {
     /// The type of a parameter of the block that is called, if it is elementary.
     pub fn formal(&self, call: &Call, parameter: &str, block: &CodeBlock) -> Option<Elementary> {
         let name = key(&self.called(call, block)?);
-        let called = self.blocks.get(&name).or_else(|| self.blocks.get(self.other_names.get(&name)?))?;
+        let called = self.blocks.get(&name)?;
         let mut variables = called.sections.iter().flat_map(|section| &section.variables);
         let formal = variables.find(|variable| variable.name.eq_ignore_ascii_case(parameter))?;
         self.part(&formal.ty, &[])
@@ -215,6 +229,12 @@ impl<'a> Types<'a> {
             }
             _ => None,
         }
+    }
+}
+
+fn copy<T: Clone>(known: &mut HashMap<String, T>, from: &str, to: &str) {
+    if let Some(value) = known.get(from).cloned() {
+        known.entry(to.to_string()).or_insert(value);
     }
 }
 

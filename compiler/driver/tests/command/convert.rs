@@ -272,6 +272,14 @@ END_ORGANIZATION_BLOCK
     }
     let checked = plcc(folder, &["check", "made", "--cpu", "315-2DP"]);
     assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+
+    // In STL a call names the function block and its data block.
+    let made = plcc(folder, &["convert", "plant", "--to", "stl", "-o", "list/", "--cpu", "315-2DP"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let main = fs::read_to_string(folder.join("list/main.stl")).expect("it is written");
+    assert!(main.contains("CALL  FB 10, \"Motor_DB\" ("), "{main}");
+    let checked = plcc(folder, &["check", "list", "--cpu", "315-2DP"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
 }
 
 /// Comments of statements in an export are in the project as those of a source are.
