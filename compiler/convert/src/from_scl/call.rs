@@ -71,10 +71,12 @@ impl Maker<'_> {
             .into_iter()
             .map(|(_, name, actual)| ast::Parameter { name, name_span: self.span, actual })
             .collect();
+        // As its indices are before the call.
+        let eno = call.eno.as_ref().and_then(|access| self.target(access, false));
         let (target, instance) = self.callee(call, callee)?;
         let made = ast::Call { target, types: Vec::new(), instance, parameters };
         self.push_kind(ast::StatementKind::Call(Box::new(made)));
-        self.note_eno(call);
+        self.note_eno(call, eno);
         for back in backs {
             self.take_back(&back);
         }
@@ -115,11 +117,9 @@ impl Maker<'_> {
     }
 
     /// ENO of the callee is the BR. That of an operation is not what ENO of S7-SCL is about.
-    fn note_eno(&mut self, call: &Call) {
+    fn note_eno(&mut self, call: &Call, eno: Option<Target>) {
         let br = Operand { kind: OperandKind::Status(StatusOperand::Br), span: self.span };
-        if let Some(access) = &call.eno
-            && let Some(target) = self.target(access, true)
-        {
+        if let Some(target) = eno {
             self.push(StlInsn::And, Some(br.clone()));
             let operand = self.reach(&target, Elementary::Bool);
             self.push(StlInsn::Assign, Some(operand));

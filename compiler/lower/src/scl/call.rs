@@ -3,10 +3,11 @@
 use plcc_abi::layout::area;
 use plcc_ir::{Address, Block, FuncId, Value, Var};
 use plcc_model::layout;
-use plcc_model::scl::{Actual, Call, Complex, Instance};
+use plcc_model::scl::{Actual, Base, Call, Complex, Instance};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 
+use super::access::Located;
 use super::argument::{self, Given, Look, TextArguments, TextSite, joined_call};
 use super::own_texts::OwnText;
 use super::text::TEXT_MAX;
@@ -70,7 +71,9 @@ impl BlockLowering<'_, '_> {
         room: Option<Address>,
     ) -> Returned {
         let result = result(callee).filter(|&(index, _)| !supplies(call, index));
-        let Some(enable) = &call.enable else { return self.enabled_call(call, callee, function, room) };
+        let place = self.eno_place(call);
+        let place = place.as_ref();
+        let Some(enable) = &call.enable else { return self.enabled_call(call, callee, function, room, place) };
         let enable = self.value(enable);
         let ty = result.and_then(|(_, parameter)| match parameter.ty {
             DataType::Elementary(ty) => Some(ty),
@@ -90,10 +93,10 @@ impl BlockLowering<'_, '_> {
         self.b.seal_block(run);
         self.b.seal_block(skip);
         self.b.switch_to(skip);
-        self.note_eno(call, no);
+        self.note_eno(call, no, place);
         self.b.jump(end, &[]);
         self.b.switch_to(run);
-        let returned = self.enabled_call(call, callee, function, room);
+        let returned = self.enabled_call(call, callee, function, room, place);
         if let (Some(var), Some(value)) = (var, returned.value) {
             self.b.def_var(var, value);
         }
@@ -109,6 +112,7 @@ impl BlockLowering<'_, '_> {
         callee: &CodeBlock,
         function: Option<FuncId>,
         room: Option<Address>,
+        eno: Option<&Located>,
     ) -> Returned {
         let copies_before = self.scl.pointed_copies.len();
         let returned = match (function, &call.instance) {
@@ -123,7 +127,7 @@ impl BlockLowering<'_, '_> {
         self.probe_outputs(call, callee);
         self.after_block();
         let br = self.get(self.regs.br);
-        self.note_eno(call, br);
+        self.note_eno(call, br, eno);
         if let (Some((index, parameter)), false) = (result(callee), self.scl.calls_set_flag)
             && matches!(parameter.ty, DataType::String(_))
             && supplies(call, index)
@@ -135,8 +139,15 @@ impl BlockLowering<'_, '_> {
         returned
     }
 
+    /// Where ENO of a call goes, if indices say it: they count as they are before the call, as those of outputs do.
+    fn eno_place<'m>(&mut self, call: &'m Call) -> Option<Located<'m>> {
+        let target = call.eno.as_ref()?;
+        let is_fixed = matches!(target.base, Base::Place(_)) && target.indices.is_empty();
+        (!is_fixed && !self.is_promoted(target)).then(|| self.locate(target))
+    }
+
     /// ENO of a callee, or of a skipped callee.
-    fn note_eno(&mut self, call: &Call, eno: Value) {
+    fn note_eno(&mut self, call: &Call, eno: Value, place: Option<&Located>) {
         if self.scl.calls_set_flag || !call.is_operation {
             let last = self.last_eno();
             self.b.def_var(last, eno);
@@ -145,8 +156,10 @@ impl BlockLowering<'_, '_> {
             let failed = self.b.not(eno);
             self.fail_if(failed);
         }
-        if let Some(target) = &call.eno {
-            self.write_access(target, eno);
+        match (&call.eno, place) {
+            (Some(target), Some(place)) => self.write_located(target, place, eno),
+            (Some(target), None) => self.write_access(target, eno),
+            (None, _) => {}
         }
     }
 
@@ -240,7 +253,7 @@ impl BlockLowering<'_, '_> {
             && self.b.constant_bits(known) == Some(1)
         {
             let br = self.run_joined_call(callee, &arguments);
-            self.note_eno(inner, br);
+            self.note_eno(inner, br, None);
             return Returned { value: None, place: room };
         }
         let joined = self.joined_arguments(site, &calls, Look::Heads);
@@ -248,7 +261,7 @@ impl BlockLowering<'_, '_> {
         let inner_room = self.text_room();
         self.call_text(TextSite { call: inner, room: Some(inner_room), ..site }, function, inner_given);
         let br = self.get(self.regs.br);
-        self.note_eno(inner, br);
+        self.note_eno(inner, br, None);
         let supply = argument::Supply::Complex(argument::Source::Frame(inner_room));
         given.push(Given { parameter: call.arguments[first].parameter, supply, back: None });
         let returned = self.call_text(site, function, given);
@@ -306,7 +319,7 @@ impl BlockLowering<'_, '_> {
         let value = self.do_text_call(site, &arguments, given, leave);
         for inner in inner {
             let good = self.b.bool_const(true);
-            self.note_eno(inner, good);
+            self.note_eno(inner, good, None);
         }
         let ty = value_of(site.callee);
         let value = value.zip(ty).map(|(value, ty)| {

@@ -17,7 +17,7 @@ use super::memory::load;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 use plcc_model::layout;
-use plcc_model::scl::{Access, Expr, ExprKind, Statement, StatementKind, UnaryOp};
+use plcc_model::scl::{Access, Base, Expr, ExprKind, Statement, StatementKind, UnaryOp};
 
 impl SclBinder<'_, '_> {
     /// Binds a statement whose function has EN or ENO; false: it has neither.
@@ -90,16 +90,27 @@ impl SclBinder<'_, '_> {
         let after = self.temp(ctx, Elementary::Bool, span);
         let flag = || Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span };
         let statement = |kind| Statement { kind, span };
-        let mut code = vec![
+        // Indices count as they are before the function, which may change them: `#i := LIMIT( … , ENO => #good[#i])`.
+        let (mut indices, mut target) = (Vec::new(), target.clone());
+        for index in &mut target.indices {
+            index.value = self.kept(ctx, &mut indices, index.value.clone());
+        }
+        if let Base::Indexed { byte, bit, .. } = &mut target.base {
+            for number in std::iter::once(byte).chain(bit) {
+                **number = self.kept(ctx, &mut indices, (**number).clone());
+            }
+        }
+        let mut code: Vec<Statement> = indices.into_iter().map(statement).collect();
+        code.extend([
             assign(before.clone(), flag(), span),
             statement(StatementKind::SetFlag(constant_expr(1, Elementary::Bool, span))),
             statement(StatementKind::Watch(true)),
-        ];
+        ]);
         code.extend(body);
         code.push(statement(StatementKind::Watch(false)));
         code.push(assign(after.clone(), flag(), span));
         code.push(statement(StatementKind::SetFlag(load(&before, Elementary::Bool))));
-        code.push(assign(target.clone(), load(&after, Elementary::Bool), span));
+        code.push(assign(target, load(&after, Elementary::Bool), span));
         let operand = Box::new(load(&after, Elementary::Bool));
         let failed = Expr { kind: ExprKind::Unary { op: UnaryOp::Not, operand }, ty: Elementary::Bool, span };
         let branches = vec![(failed, vec![statement(StatementKind::Failed)])];
