@@ -93,7 +93,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let mut files = Vec::new();
     let told = companions::cpu_of_pragmas(&parsed).filter(|name| profile::lookup(name).is_some());
     let program = match messages.is_empty() && has_scl_for_stl(to, &parsed) {
-        true => match bound(args, &parsed, Some(told.unwrap_or("s7-300"))) {
+        true => match bound(args, &parsed, told.or_else(|| cpu_for_stl(&parsed))) {
             Ok(bound) => Some(bound.program),
             Err(code) => return code,
         },
@@ -242,6 +242,13 @@ fn other_family(unit: &SourceUnit, to: ConvertTo) -> Diagnostic {
 fn has_scl_for_stl(to: ConvertTo, parsed: &pipeline::Parsed) -> bool {
     let is_scl = |block: &Block| matches!(block, Block::Code(block) if matches!(block.code, Code::Scl(_)));
     to == ConvertTo::Stl && parsed.units.iter().any(|(_, unit)| unit.blocks.iter().any(is_scl))
+}
+
+/// The CPU for STL made from SCL for which nobody names one: none is the one that the sources imply, as where they are run.
+fn cpu_for_stl(parsed: &pipeline::Parsed) -> Option<&'static str> {
+    let implied = plcc_program::implied_profile(&parsed.units);
+    // That has no STL.
+    (implied.family == Family::S71200).then_some("s7-300")
 }
 
 /// The program of the sources, for the CPU `default` if neither the command line nor the project names one; an exit code after messages.

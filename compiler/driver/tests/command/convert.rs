@@ -682,6 +682,14 @@ fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
     let tested = plcc(folder, &["test", "a.stl"]);
     assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+    // Without a pragma a source of the TIA Portal is for an S7-1500, as `plcc test` takes it.
+    fs::write(folder.join("c.scl"), source.replace("//@ cpu s7-1500\n", "")).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "c.scl", "--to", "stl", "-o", "c.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    for name in ["c.scl", "c.stl"] {
+        let tested = plcc(folder, &["test", name]);
+        assert_eq!(tested.status.code(), Some(0), "{name}: {}{}", text(&tested.stdout), text(&tested.stderr));
+    }
     // An S7-1200 has no STL.
     fs::write(folder.join("b.scl"), source.replace("s7-1500", "1214C")).expect("the folder can be written");
     let refused = plcc(folder, &["convert", "b.scl", "--to", "stl"]);
