@@ -23,6 +23,8 @@ pub struct SclBody {
     pub networks: Vec<u32>,
     /// LAD and FBD of S7-300/400: elementary inputs of FCs are the actual parameters, as in STL. Else they are copies.
     pub inputs_in_place: bool,
+    /// Data blocks whose number is a value (`#any := "Recipe"` of a DB_ANY), and where: for cross references.
+    pub named_dbs: Vec<(u16, Span)>,
 }
 
 impl SclBody {

@@ -25,6 +25,10 @@ impl Collector<'_> {
             self.network = network;
             self.place(&variable.place, variable.bits, access, variable.span);
         }
+        for &(number, span) in &body.named_dbs {
+            self.network = body.network_at(span.start);
+            self.add_at(Operand::db(number), Access::Open, span);
+        }
     }
 }
 

@@ -217,6 +217,7 @@ impl ChartBinder<'_, '_> {
             temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
             inputs_in_place: false,
+            named_dbs: std::mem::take(&mut ctx.scope.named_dbs),
         }
     }
 

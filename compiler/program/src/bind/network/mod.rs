@@ -135,6 +135,7 @@ impl NetworkBinder<'_, '_> {
             temporary_texts: temporary::texts(&ctx.block.bound),
             networks: networks.networks.iter().map(|network| network.span.start).collect(),
             inputs_in_place: ctx.scope.rules.is_300(),
+            named_dbs: std::mem::take(&mut ctx.scope.named_dbs),
         }
     }
 

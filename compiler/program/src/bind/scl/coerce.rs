@@ -44,6 +44,7 @@ impl SclBinder<'_, '_> {
             Value::Block { prefix: BlockPrefix::Db, number: Number::Known(number), span }
                 if ty == Elementary::Uint && !ctx.scope.rules.is_300() =>
             {
+                ctx.scope.named_dbs.push((number, span));
                 Some(constant_expr(number.into(), ty, span))
             }
             other if ty == Elementary::Ldt && converts_dates(ctx.scope.rules) && Self::is_long_date(&other) => {

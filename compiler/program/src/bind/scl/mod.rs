@@ -126,6 +126,7 @@ impl SclBinder<'_, '_> {
             temporary_texts: temporary::texts(&ctx.block.bound),
             networks: Vec::new(),
             inputs_in_place: false,
+            named_dbs: scope.named_dbs.clone(),
         }
     }
 }

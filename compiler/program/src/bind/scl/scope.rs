@@ -67,6 +67,8 @@ pub struct Scope {
     /// Numbers of the DBs in the DB and the DI register, WORDs: of blocks in LAD or FBD that open data blocks.
     pub open_db: Option<Expr>,
     pub open_di: Option<Expr>,
+    /// See `SclBody`.
+    pub named_dbs: Vec<(u16, Span)>,
 }
 
 /// Attributes that make the code set OK/ENO, with their value. Source: SCL reference, OK and ENO.
