@@ -104,6 +104,19 @@ impl Recovery {
                     format!("write `{low}..{high}`"),
                 )
             }
+            // `[0].n := 4;` after BEGIN of a data block that is an array.
+            (Recovery::Assignment, _, Tok::LeftBracket) => {
+                let rest = state.text.get(at.0..).unwrap_or_default();
+                let form = rest.split([';', '\n', '\r']).next().unwrap_or_default().trim_end();
+                let form = if form.chars().count() > 80 { "[0] := …" } else { form };
+                told(
+                    at.0,
+                    at.2,
+                    "an element of this data block has no name".to_owned(),
+                    "the elements of a data block that is an array are those of `THIS`",
+                    format!("write `THIS{form};`"),
+                )
+            }
             (Recovery::Declaration, Tok::RightBracket, _) => told(
                 at.0,
                 at.2,
