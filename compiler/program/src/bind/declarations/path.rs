@@ -8,6 +8,7 @@ use plcc_syntax::ast::{Area, BlockPrefix, CellKind, Path, PathPart, PathRoot, Wi
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::declarations::predefined::AXIS;
 use crate::bind::globals::names::kind_prefix;
 use plcc_binding::report::MissingKey;
 use plcc_binding::{fold, similar};
@@ -373,6 +374,8 @@ impl Declarations<'_> {
     pub fn unknown_member(&mut self, structure: &StructType, name: &str, span: Span) {
         let title = match structure.name.as_str() {
             "" => format!("the structure has no component `{name}`"),
+            // Whatever kind of axis it is declared as.
+            AXIS => format!("an axis has no component `{name}`"),
             of => format!("`{of}` has no component `{name}`"),
         };
         let message = Diagnostic::new(Code::UnknownMember, span, title).label("no such component");

@@ -392,8 +392,8 @@ const NUMBERS: &[(Elementary, &[&str])] = &[
     (Elementary::Dword, &["EVENT_ANY", "EVENT_ATT", "EVENT_HWINT", "AOM_IDENT", "CONN_R_ID"]),
 ];
 
-/// The block of all axes.
-const AXIS: &str = "TO_PositioningAxis";
+/// The block of all axes, whose data types have several names.
+pub(super) const AXIS: &str = "TO_PositioningAxis";
 
 /// Data types of timers, counters and axes: the blocks whose instances they are; the first available one counts.
 ///
