@@ -74,6 +74,12 @@ impl SclBinder<'_, '_> {
                     let Some(own) = own.filter(|own| fits(*value, *based, *own)) else {
                         return self.unfit_constant(constant, span, ty);
                     };
+                    // No date and no time of day is before the first or after the last one.
+                    if let Some(Conversion::Ranged { max }) = convert::explicit(rules, own, ty)
+                        && !(0..=i128::from(max)).contains(value)
+                    {
+                        return self.unfit_constant(constant, span, ty);
+                    }
                     let value = Expr { kind: ExprKind::Const(low_bits(*value, own)), ty: own, span };
                     convert::explicit_expr(rules, value, ty)
                 }
