@@ -8,6 +8,7 @@ use plcc_syntax::scl::ast::Expr as Node;
 use plcc_syntax::{Class, Elementary};
 
 use super::Intent;
+use super::compare::comparison;
 use super::convert;
 use super::function::{Kind, Row, TextNumber};
 use super::message::described;
@@ -17,7 +18,9 @@ use super::value::Value;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_model::layout;
-use plcc_model::scl::{Access, Arm, Base, BinaryOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind};
+use plcc_model::scl::{
+    Access, Arm, Base, BinaryOp, CompareOp, Complex, Expr, ExprKind, IndexedArea, Statement, StatementKind,
+};
 use plcc_model::types::DataType;
 use plcc_model::{Number, Place};
 
@@ -185,21 +188,36 @@ impl SclBinder<'_, '_> {
             let area = self.kept(ctx, code, *coded.area);
             let db = self.kept(ctx, code, *coded.db);
             let start = self.kept(ctx, code, *coded.byte);
-            let byte = Box::new(binary(BinaryOp::Add, start, load(&at, Elementary::Dint)));
+            let byte = Box::new(binary(BinaryOp::Add, start.clone(), load(&at, Elementary::Dint)));
             let area = IndexedArea::Coded { area: Box::new(area), db: Box::new(db) };
             let base = Base::Indexed { area, byte, bit: None };
-            Access { base, indices: Vec::new(), ty: DataType::Elementary(Elementary::Byte), part: None, span }
+            (Access { base, indices: Vec::new(), ty: DataType::Elementary(Elementary::Byte), part: None, span }, start)
         };
-        let source = byte_at(source, &mut code);
-        let target = byte_at(target, &mut code);
+        let (source, from) = byte_at(source, &mut code);
+        let (target, to) = byte_at(target, &mut code);
         let copy = StatementKind::Assign { target, value: load(&source, Elementary::Byte) };
-        code.push(StatementKind::For {
-            variable: at,
-            start: number(0, span),
-            end: last,
-            step: number(1, span),
-            body: vec![Statement { kind: copy, span }],
-        });
+        let repeated = |start: Expr, end: Expr, step: i32| StatementKind::For {
+            variable: at.clone(),
+            start,
+            end,
+            step: number(step, span),
+            body: vec![Statement { kind: copy.clone(), span }],
+        };
+        let up = repeated(number(0, span), last.clone(), 1);
+        let down = repeated(last, number(0, span), -1);
+        // Where both areas overlap, no byte may be written before it is read: as through a buffer, like MOVE_BLK.
+        match (&from.kind, &to.kind) {
+            (ExprKind::Const(from), ExprKind::Const(to)) => {
+                code.push(if *to as i32 > *from as i32 { down } else { up });
+            }
+            _ => {
+                let is_later = comparison(CompareOp::Greater, to, from, span);
+                code.push(StatementKind::If {
+                    branches: vec![(is_later, vec![Statement { kind: down, span }])],
+                    otherwise: vec![Statement { kind: up, span }],
+                });
+            }
+        }
         Some(code)
     }
 
