@@ -207,6 +207,13 @@ impl StlBinder<'_, '_> {
                     None
                 }
             },
+            // A DB_ANY holds the number of a data block.
+            Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) }
+                if ty == Elementary::Uint && formal.direction == Direction::Input =>
+            {
+                self.program.use_db(*number, span);
+                Some(Actual::Const(number.to_be_bytes().to_vec()))
+            }
             Settled::Pointer(pointer) if ty == Elementary::Dword => Some(Actual::Const(pointer.to_be_bytes().to_vec())),
             Settled::Memory { place, width, ty: declared } => {
                 let fits = *width == layout::width(ty) && declared.is_none_or(|declared| declared == ty);
