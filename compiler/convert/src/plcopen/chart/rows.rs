@@ -211,7 +211,7 @@ impl Rows<'_, '_, '_, '_, '_> {
         match &network.content {
             Content::Graphic(_) => {
                 let networks = std::slice::from_ref(network);
-                let content = super::network::write(self.body, networks, network.language);
+                let content = crate::plcopen::network::write(self.body, networks, network.language);
                 self.push(action, moment.unwrap_or("N"), content);
             }
             Content::Scl(_) | Content::Stl(_) => {
