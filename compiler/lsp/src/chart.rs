@@ -1,5 +1,7 @@
 //! Steps and transitions of GRAPH.
 
+use std::ops::Range;
+
 use plcc_diag::Span;
 use plcc_syntax::ast::{Block, Code};
 use plcc_syntax::chart::ast::{Body, Step, Transition};
@@ -152,6 +154,13 @@ pub fn in_instance<'c>(entry: Entry<'c>, name: &str) -> Option<Part<'c>> {
     let mut all = of(entry);
     all.sort_by_key(|part| matches!(part, Part::Step(_)));
     find(&all, name)
+}
+
+/// Whether a piece is in the qualifier of an action: `N` in `(N)`.
+pub fn is_qualifier(entry: Entry, range: &Range<usize>) -> bool {
+    let actions = body(entry).into_iter().flat_map(|body| body.steps.iter().flat_map(|step| &step.actions));
+    let mut marks = actions.map(|action| action.qualifier_span.range());
+    marks.any(|mark| mark.start <= range.start && range.end <= mark.end)
 }
 
 /// The first with a name; if there is none, with its number.

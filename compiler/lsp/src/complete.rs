@@ -4,6 +4,7 @@ use lsp_types::{
     CompletionItem, CompletionItemKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation,
 };
 use plcc_diag::FileId;
+use plcc_syntax::ast::Block;
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Language, s7200};
@@ -138,15 +139,17 @@ fn globals(index: &Index) -> Vec<CompletionItem> {
 
 /// What can follow the point at a piece.
 fn members_before<'c>(index: &Index<'c>, words: &Words, file: FileId, point: usize) -> Vec<Declared<'c>> {
-    let Some(mut owner) = point.checked_sub(1) else { return Vec::new() };
-    if words.word(owner) == "]" {
-        owner = (0..owner).rev().find(|&at| words.word(at) == "[").unwrap_or(0).saturating_sub(1);
-    }
+    let Some(owner) = point.checked_sub(1).and_then(|end| words.before_indices(end)) else { return Vec::new() };
     let (first, names) = words.path(owner);
     let entry = index.around(file, words.range(owner).start);
-    match along(index, entry, &names, words.word(first).starts_with('#')) {
+    let local = words.word(first).starts_with('#');
+    match along(index, entry, &names, local) {
         Some(Meaning::Variable { declared, .. }) => index.members(&declared.1.ty),
-        Some(Meaning::Block(entry)) => index.inside(entry),
+        Some(Meaning::Block(entry)) => match entry.block {
+            // `#Sum.` in the function Sum.
+            Block::Code(block) if local => block.return_type.as_ref().map_or(Vec::new(), |ty| index.members(ty)),
+            Block::Code(_) | Block::Data(_) | Block::Type(_) => index.inside(entry),
+        },
         _ => Vec::new(),
     }
 }

@@ -42,6 +42,10 @@ impl<'c> Entry<'c> {
         }
     }
 
+    pub fn is_data(&self) -> bool {
+        matches!(self.block, Block::Data(_))
+    }
+
     /// The keyword that begins it.
     pub fn keyword(&self) -> &'static str {
         match self.block {
@@ -114,16 +118,27 @@ impl<'c> Index<'c> {
     /// The block with this symbol, or this number: `FC1`, `FC 1`.
     pub fn block(&self, name: &str) -> Option<Entry<'c>> {
         let number = numbered(name);
-        let found = self.blocks.iter().find(|entry| match entry.name() {
+        let is_it = |entry: &&Entry<'c>| match entry.name() {
             BlockName::Symbol { name: own, .. } => same(own, name),
             BlockName::Numbered { prefix, number: own, .. } => {
                 number.as_ref().is_some_and(|(letters, number)| prefix.letters() == letters && own == number)
             }
-        });
-        found.copied().or_else(|| match self.symbol(name)?.target {
+        };
+        let first = self.blocks.iter().find(is_it);
+        // A data block may have the name of its data type, which is meant where a type stands.
+        let other = first.filter(|entry| matches!(entry.block, Block::Type(_)));
+        let other = other.and_then(|_| self.blocks.iter().filter(is_it).find(|entry| entry.is_data()));
+        other.or(first).copied().or_else(|| match self.symbol(name)?.target {
             SymbolTarget::Block { prefix, number } => self.block(&format!("{}{number}", prefix.letters())),
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
         })
+    }
+
+    /// The block or data type that a name means where a type stands.
+    pub fn typed(&self, name: &str) -> Option<Entry<'c>> {
+        let found = self.block(name)?;
+        let is_it = |entry: &&Entry<'c>| !entry.is_data() && same(&entry.text(), name);
+        Some(if found.is_data() { self.blocks.iter().find(is_it).copied().unwrap_or(found) } else { found })
     }
 
     /// A row of a symbol table.
@@ -154,7 +169,7 @@ impl<'c> Index<'c> {
             TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } | TypeKind::Reference(element) => {
                 self.block_of(element)
             }
-            TypeKind::Named(name) | TypeKind::Block(BlockName::Symbol { name, .. }) => self.block(name),
+            TypeKind::Named(name) | TypeKind::Block(BlockName::Symbol { name, .. }) => self.typed(name),
             TypeKind::Block(BlockName::Numbered { prefix, number, .. }) => {
                 self.block(&format!("{}{number}", prefix.letters()))
             }
@@ -241,7 +256,7 @@ impl<'c> Index<'c> {
 }
 
 /// `FC1`, `FC 1` as letters and number.
-fn numbered(name: &str) -> Option<(String, u32)> {
+pub fn numbered(name: &str) -> Option<(String, u32)> {
     let digits = name.find(|c: char| c.is_ascii_digit())?;
     let letters = name[..digits].trim().to_ascii_uppercase();
     let known = ["OB", "FC", "FB", "SFC", "SFB", "DB", "DI", "UDT"].contains(&letters.as_str());

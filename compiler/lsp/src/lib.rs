@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! messages ──► server.rs ──► text.rs: open files        ──► Host: the program, in a thread of its own
-//!                        └─► words.rs, index.rs, labels.rs, constants.rs, chart.rs, names.rs, s7200.rs
+//!                        └─► words.rs, index.rs, labels.rs, constants.rs, chart.rs, role.rs, names.rs, s7200.rs
 //!                            ──► hover, go, values.rs, complete, outline, fixes
 //! ```
 //!
@@ -25,6 +25,7 @@ mod labels;
 mod names;
 mod outline;
 mod requests;
+mod role;
 mod s7200;
 mod server;
 mod text;

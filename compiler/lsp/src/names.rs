@@ -2,14 +2,16 @@
 
 use plcc_diag::{FileId, Span};
 use plcc_syntax::Language;
+use plcc_syntax::ast::{Block, DataContent, TypeKind};
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 use crate::address::{self, Address};
 use crate::chart;
 use crate::constants::{self, Constant};
 use crate::facts::{BlockFacts, same};
-use crate::index::{Declared, Entry, Index};
+use crate::index::{Declared, Entry, Index, numbered};
 use crate::labels::{self, Label};
+use crate::role::{self, Role};
 use crate::words::{Words, bare, is_name};
 
 /// What a word means.
@@ -54,16 +56,29 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
     let range = words.range(at);
     let entry = index.around(file, range.start);
     let named = bare(word);
+    // What is declared has its name, also if it looks like an address.
+    let span = Span::new(file, range);
+    if let Some(found) = entry.filter(|_| is_name(word)).and_then(|entry| declared(index, entry, span)) {
+        return Some(found);
+    }
     if let Some(label) = entry.and_then(|entry| labels::at(entry, words, at)) {
         return Some(Meaning::Label(label));
     }
     if let Some(part) = entry.and_then(|entry| chart::at(index, entry, words, at)) {
         return Some(Meaning::Chart(part));
     }
-    if let Some(address) = address_at(words, at) {
+    let (first, names) = words.path(at);
+    let role = role::of(index, entry, words, first);
+    // `T1.Q` of an instance T1.
+    let is_own = role == Role::Any
+        && entry.is_some_and(|entry| {
+            let may_be = entry.is_data() || matches!(words.language(at), Language::Scl | Language::Sd);
+            may_be && variables(index, entry).iter().any(|(_, variable)| same(&variable.name, word))
+        });
+    if !is_own && let Some(address) = address_at(words, at) {
         return Some(Meaning::Address(address));
     }
-    if let Some(entry) = numbered_block(index, words, at) {
+    if !is_own && let Some(entry) = numbered_block(index, words, at) {
         return Some(Meaning::Block(entry));
     }
     if !is_name(word) {
@@ -73,32 +88,67 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
             Language::Scl | Language::Sd | Language::Graph => None,
         };
     }
-    if let Some(entry) = entry {
-        let span = Span::new(file, range.clone());
-        if entry.name().span().range() == range {
-            return Some(Meaning::Block(entry));
+    if matches!(words.word(at + 1), ":=" | "=>") {
+        if let Some(entry) = entry
+            && let Some(declared) = role::component(index, entry, span)
+        {
+            return Some(Meaning::Variable { declared, path: vec![named.to_owned()], owner: None });
         }
-        if let Some(declared) = index.declared_at(entry, span) {
-            return Some(Meaning::Variable { declared, path: vec![declared.1.name.clone()], owner: Some(entry) });
+        if role != Role::Declaration
+            && let Some(callee) = callee_around(index, words, file, at)
+            && let Some(declared) = callee.variables(index).into_iter().find(|(_, one)| same(&one.name, named))
+        {
+            return Some(Meaning::Variable { declared, path: vec![named.to_owned()], owner: callee.entry() });
         }
-        if let Some(constant) = constants::of(entry).iter().find(|constant| constant.name_span == span) {
-            return Some(Meaning::Constant(Constant::Local(entry, constant)));
+        // A parameter of the library, or a pin of an element.
+        if role == Role::Any && role::is_argument(entry, words, at, open_bracket(words, at)) {
+            return None;
         }
     }
-    if matches!(words.word(at + 1), ":=" | "=>")
-        && let Some(callee) = callee_around(index, words, file, at)
-        && let Some(declared) = callee.variables(index).into_iter().find(|(_, one)| same(&one.name, named))
-    {
-        return Some(Meaning::Variable { declared, path: vec![named.to_owned()], owner: callee.entry() });
-    }
-    let (first, names) = words.path(at);
     let local = word.starts_with('#') || first > 0 && words.word(first) == "#";
-    if let Some(found) = along(index, entry, &names, local || words.word(first).starts_with('#')) {
-        return Some(found);
+    let local = local || words.word(first).starts_with('#');
+    let found = match role {
+        Role::Any => along(index, entry, &names, local),
+        Role::Global => along(index, None, &names, false),
+        Role::Declaration => in_declaration(index, entry, &names),
+        Role::Word => None,
+    };
+    if found.is_some() {
+        return found;
     }
     let mnemonic = !word.starts_with(['#', '"']) && names.len() == 1 && !local;
     let of_line = || mnemonic_of_line(words, at).filter(|_| words.language(at) == Language::S7200);
     mnemonic.then(|| Meaning::Word(of_line().unwrap_or_else(|| mnemonic_at(words, at))))
+}
+
+/// The variables that a block calls by their names alone; the values of a data block are those of its type.
+fn variables<'c>(index: &Index<'c>, entry: Entry<'c>) -> Vec<Declared<'c>> {
+    if entry.is_data() { index.inside(entry) } else { entry.variables() }
+}
+
+/// What a block declares at a place: itself, a variable or a constant.
+fn declared<'c>(index: &Index<'c>, entry: Entry<'c>, span: Span) -> Option<Meaning<'c>> {
+    if entry.name().span().range() == span.range() {
+        return Some(Meaning::Block(entry));
+    }
+    if let Some(declared) = index.declared_at(entry, span) {
+        return Some(Meaning::Variable { declared, path: vec![declared.1.name.clone()], owner: Some(entry) });
+    }
+    let constant = constants::of(entry).iter().find(|constant| constant.name_span == span);
+    constant.map(|constant| Meaning::Constant(Constant::Local(entry, constant)))
+}
+
+/// The meaning of a path of names in a type or an initial value: no variable can stand there.
+fn in_declaration<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str]) -> Option<Meaning<'c>> {
+    let [.., name] = names else { return None };
+    let constant = entry.and_then(|entry| constants::named(entry, bare(name)));
+    if let Some(constant) = constant.filter(|_| !name.starts_with('"')) {
+        return Some(Meaning::Constant(constant));
+    }
+    // `_.Motor`
+    let is_type = matches!(names, [_] | ["_", _]);
+    let typed = index.typed(bare(name)).filter(|_| is_type).map(Meaning::Block);
+    typed.or_else(|| along(index, None, names, false))
 }
 
 /// The step or transition of which a component follows the point at a piece.
@@ -116,7 +166,7 @@ pub fn part_before<'c>(index: &Index<'c>, words: &Words, file: FileId, point: us
 pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], local: bool) -> Option<Meaning<'c>> {
     let (root, rest) = names.split_first()?;
     let own = entry.and_then(|entry| {
-        let found = entry.variables().into_iter().find(|(_, variable)| same(&variable.name, bare(root)))?;
+        let found = variables(index, entry).into_iter().find(|(_, variable)| same(&variable.name, bare(root)))?;
         Some((found, entry))
     });
     let own = own.filter(|_| local || !root.starts_with('"'));
@@ -142,10 +192,16 @@ pub fn along<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str], lo
             return Some(Meaning::Variable { declared, path: path(), owner: Some(entry) });
         }
         Some((declared, entry)) => (index.members(&declared.1.ty), index.block_of(&declared.1.ty), Some(entry)),
-        // `#Sum := 1` in the function Sum: its result.
+        // `#Sum := 1` in the function Sum: its result, which may have components.
         None if local => {
             let is_own = |entry: &Entry| entry.keyword() == "FUNCTION" && same(&entry.text(), bare(root));
-            return entry.filter(|entry| rest.is_empty() && is_own(entry)).map(Meaning::Block);
+            let entry = entry.filter(is_own)?;
+            let Block::Code(block) = entry.block else { return None };
+            match &block.return_type {
+                _ if rest.is_empty() => return Some(Meaning::Block(entry)),
+                Some(ty) => (index.members(ty), index.block_of(ty), Some(entry)),
+                None => return None,
+            }
         }
         None => match (index.block(bare(root)), index.symbol(bare(root))) {
             (Some(entry), _) if rest.is_empty() => return Some(Meaning::Block(entry)),
@@ -181,7 +237,7 @@ fn address_at(words: &Words, at: usize) -> Option<Address> {
 /// `FC 1` in two pieces, or `FC1`.
 fn numbered_block<'c>(index: &Index<'c>, words: &Words, at: usize) -> Option<Entry<'c>> {
     let word = words.word(at);
-    if word.starts_with(['"', '#']) {
+    if word.starts_with(['"', '#']) || at > 0 && words.word(at - 1) == "#" && words.glued(at) {
         return None;
     }
     let joined = |first: usize| {
@@ -191,7 +247,7 @@ fn numbered_block<'c>(index: &Index<'c>, words: &Words, at: usize) -> Option<Ent
         is_prefix.then(|| format!("{letters}{}", words.word(first + 1)))
     };
     let text = joined(at).or_else(|| joined(at.checked_sub(1)?)).unwrap_or_else(|| word.to_owned());
-    text.ends_with(|c: char| c.is_ascii_digit()).then(|| index.block(&text))?
+    numbered(&text).and_then(|_| index.block(&text))
 }
 
 /// The mnemonic at the beginning of a line of an S7-200, if the piece is part of it: `LDW>=`, `+I`, `=`.
@@ -299,7 +355,7 @@ pub fn callee_around<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usi
         return callee_at(index, words, file, target);
     }
     let open = open_bracket(words, at)?;
-    callee_at(index, words, file, open.checked_sub(1)?)
+    callee_at(index, words, file, words.before_indices(open.checked_sub(1)?)?)
 }
 
 /// The block that a name calls: itself, or that of the instance.
@@ -324,12 +380,15 @@ fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> O
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
         },
         Meaning::Variable { declared, .. } => {
-            let ty = index.type_text(&declared.1.ty);
-            let ty = bare(ty.trim_end_matches(';').trim());
-            match index.block(ty) {
-                Some(entry) => Some(called(index, entry)),
-                None => index.checked.facts.block(ty).map(Callee::Library),
+            if let Some(entry) = index.block_of(&declared.1.ty) {
+                return Some(called(index, entry));
             }
+            let mut ty = &declared.1.ty;
+            while let TypeKind::Array { element, .. } = &ty.kind {
+                ty = element.as_ref();
+            }
+            let ty = index.type_text(ty);
+            index.checked.facts.block(bare(ty.trim_end_matches(';').trim())).map(Callee::Library)
         }
         Meaning::Constant(_) | Meaning::Label(_) | Meaning::Chart(_) | Meaning::Address(_) | Meaning::Word(_) => None,
     }
@@ -337,14 +396,13 @@ fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> O
 
 /// The block of an instance; otherwise the block itself.
 fn called<'c>(index: &Index<'c>, entry: Entry<'c>) -> Callee<'c> {
-    use plcc_syntax::ast::{Block, DataContent};
     if let Block::Data(block) = entry.block
         && let DataContent::OfType(ty) = &block.content
     {
-        let ty = index.type_text(ty);
-        if let Some(of) = index.block(bare(&ty)) {
+        if let Some(of) = index.block_of(ty) {
             return Callee::Source(of);
         }
+        let ty = index.type_text(ty);
         if let Some(facts) = index.checked.facts.block(bare(&ty)) {
             return Callee::Library(facts);
         }

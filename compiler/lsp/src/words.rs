@@ -5,6 +5,9 @@ use std::ops::Range;
 use plcc_readers::{parts, pieces};
 use plcc_syntax::Language;
 
+/// Indices of a path are not longer than so many pieces.
+const INDEX_PIECES_MAX: usize = 1000;
+
 /// The words, signs, constants and comments of a text.
 pub struct Words<'t> {
     pub text: &'t str,
@@ -86,10 +89,7 @@ impl<'t> Words<'t> {
                 before -= 1;
             }
             if before >= 2 && self.word(before - 1) == "." {
-                let mut owner = before - 2;
-                if self.word(owner) == "]" {
-                    owner = (0..owner).rev().find(|&at| self.word(at) == "[").unwrap_or(0).saturating_sub(1);
-                }
+                let Some(owner) = self.before_indices(before - 2) else { return (before, names) };
                 if !is_name(self.word(owner)) && !self.word(owner).starts_with(|c: char| c.is_ascii_digit()) {
                     return (before, names);
                 }
@@ -99,6 +99,38 @@ impl<'t> Words<'t> {
                 return (before, names);
             }
         }
+    }
+
+    /// The piece that the indices and `^` which end with a piece belong to: `a` of `a[i[1]]`. The piece itself if it is neither.
+    pub fn before_indices(&self, end: usize) -> Option<usize> {
+        let mut at = end;
+        loop {
+            match self.word(at) {
+                "^" => at = at.checked_sub(1)?,
+                "]" => at = self.opening(at)?.checked_sub(1)?,
+                _ => return Some(at),
+            }
+        }
+    }
+
+    /// The `[` of a `]`.
+    fn opening(&self, close: usize) -> Option<usize> {
+        let mut depth = 0usize;
+        for at in (0..close).rev().take(INDEX_PIECES_MAX) {
+            match self.word(at) {
+                "]" => depth += 1,
+                "[" if depth == 0 => return Some(at),
+                "[" => depth -= 1,
+                _ => {}
+            }
+        }
+        None
+    }
+
+    /// Whether a piece is on a line of test pragmas.
+    pub fn is_asserted(&self, at: usize) -> bool {
+        let text = self.text.get(..self.range(at).start).unwrap_or_default();
+        text.rsplit('\n').next().unwrap_or_default().trim_start().starts_with("//@")
     }
 }
 

@@ -288,6 +288,74 @@ fn names_change_everywhere() {
     assert!(rename("level := M|W 10", "x").is_err());
 }
 
+/// Names that are also mnemonics, elements, pins, types, functions, parameters of the library, words of a header, addresses, or the
+/// names of other blocks.
+#[test]
+fn a_name_is_changed_only_where_it_is_meant() {
+    let mut editor = Editor::new("alike");
+    for file in ["line.scl", "lamp.s7dcl", "list.stl"] {
+        editor.open(file);
+    }
+    assert_eq!(editor.messages("list.stl"), Vec::<String>::new());
+    let mut lines = |file: &str, piece: &str| {
+        let mut params = editor.position(file, piece);
+        params["newName"] = json!("Other");
+        let edits = editor.ask("textDocument/rename", params);
+        let mut found = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+            found.extend(edits.as_array().expect("a list").iter().map(|edit| (name.to_owned(), line(edit))));
+        }
+        found.sort();
+        let words: Vec<String> = found.into_iter().map(|(name, line)| format!("{name}:{line}")).collect();
+        words.join(" ")
+    };
+    for (file, piece, wanted) in [
+        ("line.scl", "TYPE \"Pa|ir\"", "line.scl:2 line.scl:10 line.scl:15 line.scl:35 line.scl:36"),
+        ("line.scl", "DATA_BLOCK \"Pa|ir\"", "line.scl:9 line.scl:57"),
+        (
+            "line.scl",
+            "|x : Int;\n  y",
+            "line.scl:4 line.scl:12 line.scl:20 line.scl:35 line.scl:42 line.scl:50 line.scl:57",
+        ),
+        ("line.scl", "|y : Int;", "line.scl:5 line.scl:21 line.scl:35 line.scl:50"),
+        ("line.scl", "|x : Int;\nEND_VAR", "line.scl:17 line.scl:20 line.scl:21 line.scl:43"),
+        ("line.scl", "aut|hor : Int", "line.scl:27 line.scl:41 line.scl:49 line.scl:55"),
+        ("line.scl", "T|1 : TON", "line.scl:30 line.scl:39 line.scl:40 line.scl:56"),
+        ("line.scl", "t|on : TON", "line.scl:31 line.scl:40"),
+        ("line.scl", "i|n : Int", "line.scl:32 line.scl:39 line.scl:41"),
+        ("line.scl", "lim|it : Int", "line.scl:33 line.scl:41 line.scl:42 line.scl:43"),
+        ("line.scl", "li|st : Array", "line.scl:34 line.scl:42 line.scl:57"),
+        ("line.scl", "pa|ir : ", "line.scl:35 line.scl:43 line.scl:50"),
+        ("line.scl", "DATA_BLOCK \"T|1\"", "line.scl:46 line.scl:55 line.scl:56 line.scl:57"),
+        ("lamp.s7dcl", "o|n : Bool;\n        time", "lamp.s7dcl:3 lamp.s7dcl:14 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "ti|me : Time", "lamp.s7dcl:4 lamp.s7dcl:14 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "li|t : Bool", "lamp.s7dcl:7 lamp.s7dcl:14 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "T|1 : TON_TIME", "lamp.s7dcl:10 lamp.s7dcl:14"),
+        (
+            "lamp.s7dcl",
+            "o|n : Bool;\n    END_VAR",
+            "lamp.s7dcl:20 lamp.s7dcl:31 lamp.s7dcl:32 lamp.s7dcl:32 line.scl:56",
+        ),
+        ("lamp.s7dcl", "|a, coil", "lamp.s7dcl:27 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "a, co|il", "lamp.s7dcl:27 lamp.s7dcl:32"),
+        ("list.stl", "|t : INT", "line.scl:57 list.stl:3 list.stl:11"),
+        ("list.stl", "|p : ANY", "line.scl:57 list.stl:4 list.stl:15"),
+        ("list.stl", "|d : INT", "line.scl:57 list.stl:5 list.stl:12"),
+    ] {
+        assert_eq!(lines(file, piece), wanted, "{piece}");
+    }
+    // What is no name of the block tells what it is.
+    let hover = editor.at("textDocument/hover", "list.stl", "|T     #result");
+    let text = hover["contents"]["value"].as_str().unwrap_or_default();
+    assert!(text.contains("Operand"), "{text}");
+    let found = editor.at("textDocument/completion", "line.scl", "#Twice.|x");
+    assert_eq!(labels(&found), ["x", "y"]);
+    let found = editor.at("textDocument/completion", "line.scl", "#pairs[#list[1]].|x");
+    assert_eq!(labels(&found), ["x", "y"]);
+}
+
 /// Also right after the file was opened, when the others are not read yet.
 #[test]
 fn a_name_is_changed_everywhere_from_the_first_moment_on() {

@@ -44,6 +44,19 @@ pub fn is_mnemonic(word: &str) -> bool {
         || [Mnemonics::En, Mnemonics::De].into_iter().any(|set| mnemonics::instruction(upper.as_str(), set).is_some())
 }
 
+/// Whether a word that stands where an operand is expected is one of the language, not a name: letters of an area, a timer or a counter,
+/// a bit or word of the status, an address register. `bracket`: a `[` follows it.
+pub fn is_operand_word(word: &str, set: Mnemonics, bracket: bool) -> bool {
+    let upper = mnemonics::Upper::new(word);
+    let word = upper.as_str();
+    mnemonics::area(word, Some(set)).is_some()
+        || mnemonics::cell(word, Some(set)).is_some()
+        || mnemonics::status(word, Some(set)).is_some()
+        || mnemonics::special(word).is_some()
+        || mnemonics::register(word).is_some()
+        || bracket && (matches!(word, "B" | "W" | "D") || mnemonics::block_prefix(word).is_some())
+}
+
 /// Parses a source. Recovers from errors; what it cannot parse is left out or becomes an error node.
 pub fn parse(file: FileId, text: &str, options: &ParseOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let raw = raw::scan(text);
