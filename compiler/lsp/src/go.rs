@@ -21,12 +21,25 @@ use crate::words::{Words, bare};
 /// A text of each file of the program, which editors show; then their assertions.
 pub type Texts<'t> = Vec<(FileId, Words<'t>)>;
 
+/// What a byte of a file means, and its name there; also in the row of a symbol table.
+pub fn asked<'c>(index: &Index<'c>, words: &Words, file: FileId, byte: usize) -> Option<(Meaning<'c>, String)> {
+    let is_it = |span: Span| span.file == file && (span.start as usize..=span.end as usize).contains(&byte);
+    let mut symbols = index.checked.tables.iter().flat_map(|table| &table.symbols);
+    let mut constants = index.checked.tables.iter().flat_map(|table| &table.constants);
+    let row = symbols.find(|symbol| is_it(symbol.span)).map(|symbol| &symbol.name);
+    if let Some(name) = row.or_else(|| constants.find(|one| is_it(one.span)).map(|one| &one.name)) {
+        let quoted = format!("\"{name}\"");
+        return along(index, None, &[quoted.as_str()], false).map(|found| (found, name.clone()));
+    }
+    index.checked.units.iter().find(|(own, _)| *own == file)?;
+    let at = words.at(byte)?;
+    meaning(index, words, file, at).map(|found| (found, bare(words.word(at)).to_owned()))
+}
+
 /// Every place that means the same, the declaration included. Absolute addresses: every one that has a bit in common, and symbols
 /// of such addresses.
-pub fn references(index: &Index, texts: &Texts, file: FileId, at: usize) -> Vec<Span> {
-    let Some((_, words)) = texts.iter().find(|(own, _)| *own == file) else { return Vec::new() };
-    let Some(wanted) = meaning(index, words, file, at) else { return Vec::new() };
-    let address = match &wanted {
+pub fn references(index: &Index, texts: &Texts, (wanted, name): &(Meaning, String)) -> Vec<Span> {
+    let address = match wanted {
         Meaning::Address(address) => Some(address.clone()),
         Meaning::Symbol(symbol) => match symbol.target {
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => {
@@ -44,7 +57,7 @@ pub fn references(index: &Index, texts: &Texts, file: FileId, at: usize) -> Vec<
     };
     let mut found = match address {
         Some(address) => overlapping(index, texts, &address),
-        None => same_definition(index, texts, &wanted, bare(words.word(at))),
+        None => same_definition(index, texts, wanted, name),
     };
     found.sort_by_key(|span| (span.file, span.start));
     found.dedup();
@@ -115,10 +128,8 @@ fn overlapping(index: &Index, texts: &Texts, wanted: &address::Address) -> Vec<S
     found
 }
 
-/// The edits that give a word another name. `Err`: why it cannot have it.
-pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -> Result<Vec<(Span, String)>, String> {
-    let (_, words) = texts.iter().find(|(own, _)| *own == file).ok_or("the file is not part of a program")?;
-    let wanted = meaning(index, words, file, at).ok_or("this has no name")?;
+/// The edits that give what is wanted another name. `Err`: why it cannot have it.
+pub fn rename(index: &Index, texts: &Texts, wanted: &Meaning, to: &str) -> Result<Vec<(Span, String)>, String> {
     let to = bare(to.trim());
     if to.is_empty() || to.chars().any(|c| c == '"' || c.is_control()) {
         return Err("a name has neither quotes nor line ends".to_owned());
@@ -127,7 +138,7 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
         text.starts_with(|c: char| c.is_alphabetic() || c == '_')
             && text.chars().all(|c| c.is_alphanumeric() || c == '_')
     };
-    let name = match &wanted {
+    let name = match wanted {
         Meaning::Variable { declared, .. } => declared.1.name.clone(),
         Meaning::Constant(constant) => constant.name().to_owned(),
         Meaning::Label(label) => label.name.to_owned(),
@@ -156,24 +167,24 @@ pub fn rename(index: &Index, texts: &Texts, file: FileId, at: usize, to: &str) -
     {
         return Err(format!("`{to}` is a word of the language"));
     }
-    if let Meaning::Chart(part) = &wanted
+    if let Meaning::Chart(part) = wanted
         && !part.is_number(to)
         && address::plain(&to.to_uppercase()).is_some()
     {
         return Err(format!("`{to}` is an address"));
     }
-    if taken(index, &wanted, to) && !same(&name, to) {
+    if taken(index, wanted, to) && !same(&name, to) {
         return Err(format!("`{to}` is already the name of something else"));
     }
-    if let Some(file) = xml_with(index, &wanted, &name) {
+    if let Some(file) = xml_with(index, wanted, &name) {
         return Err(format!(
             "`{name}` is in {file}, too, and blocks in XML are not edited: rename it where they come from"
         ));
     }
     // `S002` stays step 2 in its block. In an instance it is a name, of a step whose own name something else has.
-    let is_number = |word: &str| matches!(&wanted, Meaning::Chart(part) if part.is_number(word));
+    let is_number = |word: &str| matches!(wanted, Meaning::Chart(part) if part.is_number(word));
     let mut edits = Vec::new();
-    for span in same_definition(index, texts, &wanted, &name) {
+    for span in same_definition(index, texts, wanted, &name) {
         let word = index_text(texts, span);
         let before = Span { start: 0, end: span.start, ..span };
         if !same(bare(word), &name) && is_number(bare(word)) && !index_text(texts, before).trim_end().ends_with('.') {

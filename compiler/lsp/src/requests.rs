@@ -122,7 +122,10 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
             at(view, text_document_position, |view, words, byte| {
                 let found = match view.s7200(byte) {
                     Some((found, names)) => names.references(&found.named),
-                    None => go::references(&Index::new(view.checked), &view.texts(), view.file, words.at(byte)?),
+                    None => {
+                        let index = Index::new(view.checked);
+                        go::references(&index, &view.texts(), &go::asked(&index, words, view.file, byte)?)
+                    }
                 };
                 Some(view.locations(found).into_iter().flatten().collect::<Vec<_>>())
             })
@@ -133,7 +136,10 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
                 let own = with_assertions(vec![(view.file, view.words(view.file))]);
                 let mut found = match view.s7200(byte) {
                     Some((found, names)) => names.references(&found.named),
-                    None => go::references(&Index::new(view.checked), &own, view.file, words.at(byte)?),
+                    None => {
+                        let index = Index::new(view.checked);
+                        go::references(&index, &own, &go::asked(&index, words, view.file, byte)?)
+                    }
                 };
                 found.retain(|span| span.file == view.file);
                 let lines = Lines::new(view.text());
@@ -237,8 +243,10 @@ fn rename<'c>(view: &impl Fn(&Path) -> Option<View<'c>>, place: TextDocumentPosi
     let edits = match view.s7200(byte) {
         Some((found, names)) => names.rename(&found.named, to).map_err(failed)?,
         None => {
-            let word = words.at(byte).ok_or_else(|| failed("there is no word".to_owned()))?;
-            go::rename(&Index::new(view.checked), &view.texts(), view.file, word, to).map_err(failed)?
+            let index = Index::new(view.checked);
+            let asked = go::asked(&index, &words, view.file, byte);
+            let (wanted, _) = asked.ok_or_else(|| failed("this has no name".to_owned()))?;
+            go::rename(&index, &view.texts(), &wanted, to).map_err(failed)?
         }
     };
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();

@@ -13,7 +13,7 @@ use lsp_types::{
     SemanticTokensLegend, SemanticTokensOptions, ServerCapabilities, SignatureHelpOptions, TextDocumentIdentifier,
     TextDocumentSyncCapability, TextDocumentSyncKind,
 };
-use plcc_diag::{Diagnostic, FileId, SourceFile, SourceMap};
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_syntax::Language;
 
@@ -258,7 +258,7 @@ impl Server {
     }
 
     /// Waits for the first check of a program whose other files a request is about: until then only open files are known, and a name
-    /// would be changed in some of its places.
+    /// would be changed in some of its places. Another name also waits for what was typed since, in tables and settings too.
     fn await_program(&mut self, request: &Request, results: &Receiver<Finished>) {
         const OF_PROGRAM: [&str; 6] = ["hover", "definition", "references", "rename", "completion", "signatureHelp"];
         let is_of_program = request.method.strip_prefix("textDocument/").is_some_and(|name| OF_PROGRAM.contains(&name));
@@ -268,7 +268,8 @@ impl Server {
         let Some(root) = path.filter(|path| self.open.contains_key(path)).map(|path| self.host.root(&path)) else {
             return;
         };
-        while !self.bound.contains(&root) {
+        let is_rename = request.method == "textDocument/rename";
+        while !self.bound.contains(&root) || is_rename && self.is_behind(&root) {
             if !self.running.contains(&root) {
                 self.due.insert(root.clone(), Instant::now());
                 self.start_due();
@@ -279,6 +280,11 @@ impl Server {
             let Ok((root, checked)) = results.recv() else { return };
             self.accept(root, checked);
         }
+    }
+
+    /// Whether something was typed after the program was bound.
+    fn is_behind(&self, root: &Path) -> bool {
+        self.due.contains_key(root) || self.running.contains(root)
     }
 
     fn request(&mut self, request: Request) {
@@ -301,6 +307,10 @@ fn file_of(checked: &Checked, path: &Path) -> Option<FileId> {
 
 /// Parses a file of a program again. Returns its messages.
 fn renew(checked: &mut Checked, path: &Path, text: &str) -> Vec<Diagnostic> {
+    // The places that the program has found in the file are those of this text.
+    if file_of(checked, path).is_some_and(|file| checked.sources.file(file).text == text) {
+        return Vec::new();
+    }
     let name = path.display().to_string();
     let file = match file_of(checked, path) {
         Some(file) => {
@@ -321,6 +331,11 @@ fn renew(checked: &mut Checked, path: &Path, text: &str) -> Vec<Diagnostic> {
     }
     let options = ReadOptions { language: hint(path), pragmas: true, ..ReadOptions::default() };
     let (mut unit, mut messages) = plcc_readers::parse(file, text, &options);
+    // It may be a table of the program, which says so when it is bound.
+    if messages.iter().any(|message| message.code == Code::NotASource) {
+        checked.units.retain(|(own, _)| *own != file);
+        return Vec::new();
+    }
     // A source that does not show its mnemonics has those of the program.
     let before = checked.units.iter().find(|(own, _)| *own == file).map(|(_, unit)| unit.mnemonics);
     if unit.shows_mnemonics == Some(false) && before.is_some_and(|set| set != unit.mnemonics) {

@@ -356,6 +356,48 @@ fn a_name_is_changed_only_where_it_is_meant() {
     assert_eq!(labels(&found), ["x", "y"]);
 }
 
+#[test]
+fn a_table_in_an_editor_is_part_of_the_program() {
+    let lines = |editor: &mut Editor, file: &str, piece: &str| {
+        let mut params = editor.position(file, piece);
+        params["newName"] = json!("Other");
+        let edits = editor.ask("textDocument/rename", params);
+        let mut found = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+            found.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", line(edit))));
+        }
+        found.sort();
+        found
+    };
+    // The name has the same places wherever the cursor is, and an open table is not reported as a source.
+    let mut editor = Editor::new("wash");
+    editor.open("main.awl");
+    editor.messages("main.awl");
+    let places = ["main.awl:32", "main.awl:8", "main.scenario.toml:3", "symbols.txt:3"];
+    editor.open("symbols.txt");
+    assert_eq!(editor.messages("symbols.txt"), Vec::<String>::new());
+    assert_eq!(lines(&mut editor, "symbols.txt", "Pu|mp"), places);
+    // Also in settings that were just opened, or changed.
+    editor.open("main.scenario.toml");
+    assert_eq!(lines(&mut editor, "main.awl", "R      Pu|mp"), places);
+    editor.edit("main.scenario.toml", "[", "\n[");
+    let places = ["main.awl:32", "main.awl:8", "main.scenario.toml:4", "symbols.txt:3"];
+    assert_eq!(lines(&mut editor, "main.awl", "R      Pu|mp"), places);
+    let mut editor = Editor::new("plant");
+    editor.open("symbols.sdf");
+    assert_eq!(lines(&mut editor, "symbols.sdf", "La|mp"), ["main.stl:37", "symbols.sdf:2"]);
+    assert_eq!(
+        lines(&mut editor, "symbols.sdf", "Mo|tor"),
+        ["main.stl:3", "main.stl:33", "motor.scl:1", "symbols.sdf:3"]
+    );
+    let mut editor = Editor::new("press");
+    editor.open("tags.xml");
+    assert_eq!(editor.messages("tags.xml"), Vec::<String>::new());
+    assert_eq!(lines(&mut editor, "tags.xml", "STRO|KES"), ["press.scl:21", "press.scl:24", "tags.xml:4"]);
+}
+
 /// Also right after the file was opened, when the others are not read yet.
 #[test]
 fn a_name_is_changed_everywhere_from_the_first_moment_on() {
