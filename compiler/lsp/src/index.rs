@@ -134,11 +134,12 @@ impl<'c> Index<'c> {
         })
     }
 
-    /// The block or data type that a name means where a type stands.
+    /// The block or data type that a name means where a type stands. A data block is not a type: one that is declared with its own name,
+    /// or two with the names of each other, would have no end.
     pub fn typed(&self, name: &str) -> Option<Entry<'c>> {
         let found = self.block(name)?;
         let is_it = |entry: &&Entry<'c>| !entry.is_data() && same(&entry.text(), name);
-        Some(if found.is_data() { self.blocks.iter().find(is_it).copied().unwrap_or(found) } else { found })
+        if found.is_data() { self.blocks.iter().find(is_it).copied() } else { Some(found) }
     }
 
     /// A row of a symbol table.
@@ -171,7 +172,7 @@ impl<'c> Index<'c> {
             }
             TypeKind::Named(name) | TypeKind::Block(BlockName::Symbol { name, .. }) => self.typed(name),
             TypeKind::Block(BlockName::Numbered { prefix, number, .. }) => {
-                self.block(&format!("{}{number}", prefix.letters()))
+                self.block(&format!("{}{number}", prefix.letters())).filter(|entry| !entry.is_data())
             }
             TypeKind::Struct(_) | TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Error => None,
         }

@@ -634,6 +634,24 @@ fn a_file_has_an_outline_folds_colours_and_a_layout() {
     assert!(edits[0]["newText"].as_str().expect("a text").contains("\n      JC    full;\n"));
 }
 
+/// As while the data type is not written yet.
+#[test]
+fn a_data_block_of_its_own_name_does_not_end_the_server() {
+    let mut editor = Editor::new("alike");
+    editor.open("line.scl");
+    editor.messages("line.scl");
+    editor.edit("line.scl", "TYPE \"Pair\"", "TYPE \"Pear\"");
+    for method in ["hover", "definition", "references", "completion", "signatureHelp", "documentHighlight"] {
+        editor.at(&format!("textDocument/{method}"), "line.scl", "t := \"Pair\".|x");
+    }
+    // Each with the name of the other.
+    editor.edit("line.scl", "DATA_BLOCK \"Pair\"\n\"Pair\"", "DATA_BLOCK \"Pair\"\n\"T1\"");
+    editor.edit("line.scl", "DATA_BLOCK \"T1\"\n\"Line\"", "DATA_BLOCK \"T1\"\n\"Pair\"");
+    for method in ["hover", "definition", "references", "completion", "signatureHelp", "documentHighlight"] {
+        editor.at(&format!("textDocument/{method}"), "line.scl", "p := \"T1\".|list");
+    }
+}
+
 #[test]
 fn nonsense_does_not_end_the_server() {
     let mut editor = Editor::new("plant");
