@@ -129,9 +129,18 @@ impl<'c> Index<'c> {
         let other = first.filter(|entry| matches!(entry.block, Block::Type(_)));
         let other = other.and_then(|_| self.blocks.iter().filter(is_it).find(|entry| entry.is_data()));
         other.or(first).copied().or_else(|| match self.symbol(name)?.target {
-            SymbolTarget::Block { prefix, number } => self.block(&format!("{}{number}", prefix.letters())),
+            // Not by name again: the symbol `DB58` may be that of DB 58, which no source has.
+            SymbolTarget::Block { prefix, number } => self.with_number(prefix.letters(), number),
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
         })
+    }
+
+    fn with_number(&self, letters: &str, wanted: u32) -> Option<Entry<'c>> {
+        let found = self.blocks.iter().find(|entry| match entry.name() {
+            BlockName::Numbered { prefix, number, .. } => prefix.letters() == letters && *number == wanted,
+            BlockName::Symbol { .. } => false,
+        });
+        found.copied()
     }
 
     /// The block or data type that a name means where a type stands. A data block is not a type: one that is declared with its own name,

@@ -634,6 +634,21 @@ fn a_file_has_an_outline_folds_colours_and_a_layout() {
     assert!(edits[0]["newText"].as_str().expect("a text").contains("\n      JC    full;\n"));
 }
 
+/// As while the block is not written yet.
+#[test]
+fn a_symbol_like_the_number_of_its_block_does_not_end_the_server() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.messages("main.stl");
+    editor.edit("main.stl", "      A     DB10.DBX 2.0;", "      CALL  \"FC77\";");
+    let found = editor.at("textDocument/hover", "main.stl", "CALL  \"FC|77\"");
+    let found = found["contents"]["value"].as_str().unwrap_or_default();
+    assert!(found.contains("FC 77"), "{found}");
+    for method in ["definition", "references", "completion", "signatureHelp", "documentHighlight"] {
+        editor.at(&format!("textDocument/{method}"), "main.stl", "CALL  \"FC|77\"");
+    }
+}
+
 /// As while the data type is not written yet.
 #[test]
 fn a_data_block_of_its_own_name_does_not_end_the_server() {
