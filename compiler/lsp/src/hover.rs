@@ -9,11 +9,14 @@ use crate::address::{self, Address};
 use crate::facts;
 use crate::index::{Entry, Index};
 use crate::names::{Callee, Meaning, meaning, part_before};
+use crate::network;
 use crate::words::Words;
 
 /// Markdown about a piece.
 pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<String> {
-    let Some(found) = meaning(index, words, file, at) else { return component(index, words, file, at) };
+    let Some(found) = meaning(index, words, file, at) else {
+        return component(index, words, file, at).or_else(|| network::hover(words, at));
+    };
     match found {
         Meaning::Variable { declared: (direction, variable), path, owner } => {
             let mut text = code(&format!("{} : {}", path.join("."), index.type_text(&variable.ty)));
@@ -46,7 +49,7 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
         }
         Meaning::Label(label) => Some(format!("{}jump label\n", code(label.name))),
         Meaning::Address(found) => address_text(index, words, at, &found),
-        Meaning::Word(word) => instruction(words.language(at), &word),
+        Meaning::Word(word) => instruction(words.language(at), &word).or_else(|| network::hover(words, at)),
     }
 }
 

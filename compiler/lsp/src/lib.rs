@@ -3,7 +3,7 @@
 //! ```text
 //! messages ──► server.rs ──► text.rs: open files        ──► Host: the program, in a thread of its own
 //!                        └─► words.rs, index.rs, labels.rs, constants.rs, chart.rs, role.rs, names.rs, s7200.rs
-//!                            ──► hover, go, values.rs, complete, outline, fixes
+//!                            ──► hover, network.rs, go, values.rs, complete, outline, fixes
 //! ```
 //!
 //! - A change is answered twice: at once with the syntax errors of the file, and with all messages when the program is bound.
@@ -23,6 +23,7 @@ mod hover;
 mod index;
 mod labels;
 mod names;
+mod network;
 mod outline;
 mod requests;
 mod role;

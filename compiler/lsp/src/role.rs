@@ -42,6 +42,10 @@ pub fn of(index: &Index, entry: Option<Entry>, words: &Words, at: usize) -> Role
     if in_declaration(entry, &range) {
         return Role::Declaration;
     }
+    // `wire#w1` beside a variable w1.
+    if is_wire(words, at) {
+        return Role::Word;
+    }
     if word.starts_with(['#', '"']) || at > 0 && words.word(at - 1) == "#" {
         return Role::Any;
     }
@@ -202,8 +206,14 @@ fn is_target(entry: Entry, range: &Range<usize>) -> bool {
     block.values.iter().any(|one| contains(one.span, range) && range.end <= one.value.span.start as usize)
 }
 
+/// Whether a piece is the name of a wire: `#w1` of `wire#w1`.
+pub fn is_wire(words: &Words, at: usize) -> bool {
+    let is_first = |at: usize| words.word(at).eq_ignore_ascii_case("wire");
+    words.language(at) == Language::Sd && words.word(at).starts_with('#') && words.glued(at) && is_first(at - 1)
+}
+
 /// Whether a piece is between RUNG and END_RUNG.
-fn in_rung(words: &Words, at: usize) -> bool {
+pub fn in_rung(words: &Words, at: usize) -> bool {
     let mut before = (0..at).rev().take(RUNG_PIECES_MAX).map(|at| words.word(at));
     let last = before.find(|word| ["RUNG", "END_RUNG", "NETWORK"].iter().any(|own| own.eq_ignore_ascii_case(word)));
     last.is_some_and(|word| word.eq_ignore_ascii_case("RUNG"))

@@ -634,6 +634,30 @@ fn a_file_has_an_outline_folds_colours_and_a_layout() {
     assert!(edits[0]["newText"].as_str().expect("a text").contains("\n      JC    full;\n"));
 }
 
+#[test]
+fn elements_pins_and_wires_of_networks_are_explained() {
+    let mut editor = Editor::new("alike");
+    editor.open("lamp.s7dcl");
+    editor.messages("lamp.s7dcl");
+    for (piece, texts) in [
+        ("Con|tact( #on )", &["Bit logic: Contact", "- `operand` input"][..]),
+        ("#T1.TO|N( pt", &["TON", "- `pt` input", "- `et` output"]),
+        ("TON( p|t :=", &["TON.pt", "input of TON"]),
+        ("RUNG #on  |A( in2", &["Bit logic: A", "- `in1` … input"]),
+        ("A( in|2 :=", &["A.in2", "input of A"]),
+        ("wi|re#powerrail", &["wire#powerrail", "TRUE"]),
+        ("wire#power|rail", &["wire#powerrail", "TRUE"]),
+        // The parameter of a block.
+        ("#one( o|n :=", &["on : Bool", "IN of FUNCTION_BLOCK Lamp"]),
+    ] {
+        let found = editor.at("textDocument/hover", "lamp.s7dcl", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
+        for text in texts {
+            assert!(found.contains(text), "{piece}: {text} is not in {found}");
+        }
+    }
+}
+
 /// As while the block is not written yet.
 #[test]
 fn a_symbol_like_the_number_of_its_block_does_not_end_the_server() {
