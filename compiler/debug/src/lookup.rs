@@ -72,9 +72,22 @@ impl<'a> Here<'a> {
         if !only_local && let Some(register) = registers::find(self.kept(), text) {
             return Ok(Found::Register(register));
         }
+        let of_program = || match Source::find(text, &self.cpu.image, None) {
+            Ok(source) => source.check(self.cpu).map(|()| Found::Value(source)),
+            Err(wrong) => match signal::all(text, &self.cpu.image, None) {
+                Ok(values) => Ok(Found::Values(values)),
+                Err(_) => Err(wrong),
+            },
+        };
+        // `"Tank".level` beside a variable `Tank` of the block.
+        if text.starts_with('"')
+            && let Ok(found) = of_program()
+        {
+            return Ok(found);
+        }
         if let Some(path) = parts(local)
             && let [Part::Name(root), rest @ ..] = &path[..]
-            && let Some(found) = self.local(root, only_local)
+            && let Some(found) = self.local(root)
         {
             return match (found, rest) {
                 (found, []) => Ok(found),
@@ -85,13 +98,7 @@ impl<'a> Here<'a> {
         if only_local {
             return Err(format!("`#{local}` is not a variable of the block that runs"));
         }
-        match Source::find(text, &self.cpu.image, None) {
-            Ok(source) => source.check(self.cpu).map(|()| Found::Value(source)),
-            Err(wrong) => match signal::all(text, &self.cpu.image, None) {
-                Ok(values) => Ok(Found::Values(values)),
-                Err(_) => Err(wrong),
-            },
-        }
+        of_program()
     }
 
     /// The value of an index, which may be computed. `Err`: the error as a sentence.
@@ -103,11 +110,10 @@ impl<'a> Here<'a> {
         }
     }
 
-    /// A variable of the block. Without `#` a name of the program in quotes is not one.
-    fn local(&self, name: &str, exact: bool) -> Option<Found> {
+    /// A variable of the block.
+    fn local(&self, name: &str) -> Option<Found> {
         let rules: [fn(&str, &str) -> bool; 2] = [|a, b| a == b, |a, b| a.to_lowercase() == b.to_lowercase()];
         let names: Vec<(String, Found)> = self.locals();
-        let _ = exact;
         rules.iter().find_map(|is_it| names.iter().find(|(own, _)| is_it(own, name)).map(|(_, found)| found.clone()))
     }
 
@@ -239,7 +245,7 @@ fn walk(mut data: Data, path: &[Part], root: &str) -> Result<Data, String> {
         let no = |what: &str| format!("`{root}` has no {what} there");
         let next = match (part, &data.ty) {
             (Part::Name(name), DataType::Struct(structure)) => {
-                let found = structure.members.iter().find(|member| member.name.eq_ignore_ascii_case(name));
+                let found = structure.members.iter().find(|member| member.name.to_lowercase() == name.to_lowercase());
                 let member = found.ok_or_else(|| no(&format!("`{name}`")))?;
                 Data { offset: data.offset + member.byte, bit: member.bit, ty: member.ty.clone() }
             }
