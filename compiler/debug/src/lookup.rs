@@ -3,7 +3,7 @@
 use plcc_abi::layout;
 use plcc_lower::probe::{Kept, Probe};
 use plcc_model::types::{DTL, DataType, Member, value_type};
-use plcc_model::{Body, CodeBlock, Passing, Program, Width};
+use plcc_model::{Body, CodeBlock, Parameter, Passing, Program, Width};
 use plcc_runtime::address::Place;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::names::path::{Part, parts};
@@ -170,16 +170,49 @@ impl<'a> Here<'a> {
         frame.formals.iter().filter_map(one).collect()
     }
 
-    /// Parameters and static data of an FB.
+    /// Parameters and static data of an FB. An IN_OUT that is a structure, an array or a text is the actual that its POINTER leads to.
     pub fn instance(&self) -> Vec<(String, Found)> {
         let (Some(frame), Some(block)) = (self.frame.filter(|frame| frame.instance != 0), self.block()) else {
             return Vec::new();
         };
         let member = |member: &Member| {
-            let data = Data { offset: frame.instance + member.byte, bit: member.bit, ty: member.ty.clone() };
-            (member.name.clone(), Found::Data(data))
+            let own = Data { offset: frame.instance + member.byte, bit: member.bit, ty: member.ty.clone() };
+            let is_it = |one: &&Parameter| {
+                let is_pointer = matches!(own.ty, DataType::Parameter(_));
+                is_pointer && matches!(one.passing, Passing::Complex { .. }) && one.name == member.name
+            };
+            let actual =
+                block.interface.parameters.iter().find(is_it).and_then(|one| self.pointed(own.offset, &one.ty));
+            (member.name.clone(), Found::Data(actual.unwrap_or(own)))
         };
         block.interface.instance.iter().map(member).collect()
+    }
+
+    /// The value of a type that a POINTER leads to; `None`: into local data, or to nothing.
+    fn pointed(&self, offset: u32, ty: &DataType) -> Option<Data> {
+        const BYTES: u32 = 6;
+        if !self.cpu.memory.contains(offset, BYTES) {
+            return None;
+        }
+        let [high, low, area, first, second, third] = self.cpu.memory.bytes::<6>(offset);
+        let byte = u32::from_be_bytes([0, first, second, third]) >> 3;
+        let bytes = plcc_model::layout::bytes(ty);
+        let place = match area {
+            layout::area::I => Place::Input(byte),
+            layout::area::Q => Place::Output(byte),
+            layout::area::M => Place::BitMemory(byte),
+            layout::area::DB => {
+                let number = u16::from_be_bytes([high, low]);
+                let (_, length) = self.cpu.memory.db(number);
+                if number == 0 || byte.saturating_add(bytes) > length {
+                    return None;
+                }
+                Place::Db(number, byte)
+            }
+            _ => return None,
+        };
+        let offset = self.cpu.offset_of(place)?;
+        self.cpu.memory.contains(offset, bytes).then(|| Data { offset, bit: 0, ty: ty.clone() })
     }
 
     /// The value, if it is one.
