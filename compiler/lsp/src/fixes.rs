@@ -5,7 +5,8 @@ use plcc_diag::Diagnostic;
 /// The text that is meant in place of what a message marks, if it says so. `marked`: what it marks.
 pub fn replacement(message: &Diagnostic, marked: &str) -> Option<String> {
     let help = message.help.as_deref()?;
-    let meant = between(help, "is `", "` meant").or_else(|| between(help, "did you mean `", "`"))?;
+    let forms = [("is `", "` meant"), ("did you mean `", "`"), ("is \"", "\" meant?"), ("is #", " meant?")];
+    let meant = forms.iter().find_map(|(before, after)| between(help, before, after))?;
     let quoted = marked.starts_with('"') && !meant.starts_with('"');
     let local = marked.starts_with('#') && !meant.starts_with('#');
     Some(match (quoted, local) {
@@ -19,5 +20,5 @@ pub fn replacement(message: &Diagnostic, marked: &str) -> Option<String> {
 fn between<'t>(text: &'t str, before: &str, after: &str) -> Option<&'t str> {
     let start = text.find(before)? + before.len();
     let end = text[start..].find(after)? + start;
-    Some(&text[start..end]).filter(|found| !found.contains('`') && !found.is_empty())
+    Some(&text[start..end]).filter(|found| !found.contains(['`', '\n']) && !found.is_empty())
 }

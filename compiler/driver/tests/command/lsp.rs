@@ -215,6 +215,27 @@ fn messages_follow_the_text() {
     assert_eq!(editor.messages("main.stl"), Vec::<String>::new());
 }
 
+/// Messages about steps and about variables of an S7-200 say in other words what is meant.
+#[test]
+fn every_name_that_is_meant_can_be_written() {
+    for (folder, file, from, to, title) in [
+        ("door", "door.gr7", "  TO Opening\n", "  TO Opning\n", "Write `Opening`"),
+        ("wash", "main.awl", "MOVW   #now", "MOVW   #nou", "Write `#now`"),
+    ] {
+        let mut editor = Editor::new(folder);
+        editor.open(file);
+        editor.messages(file);
+        editor.edit(file, from, to);
+        assert_eq!(editor.messages(file).len(), 1);
+        let wrong = to.split_whitespace().last().expect("a word");
+        let range = editor.range(file, wrong);
+        let uri = editor.uri(file);
+        let params = json!({ "textDocument": { "uri": uri }, "range": range, "context": { "diagnostics": [] } });
+        let actions = editor.ask("textDocument/codeAction", params);
+        assert_eq!(actions[0]["title"], json!(title), "{actions}");
+    }
+}
+
 #[test]
 fn words_are_explained() {
     let mut editor = Editor::new("plant");
