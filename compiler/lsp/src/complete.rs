@@ -5,6 +5,7 @@ use lsp_types::{
 };
 use plcc_diag::FileId;
 use plcc_syntax::ast::Block;
+use plcc_syntax::network::elements::{self, PinDirection, PinRow};
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::{Language, s7200};
@@ -15,6 +16,8 @@ use crate::facts::same;
 use crate::index::{Declared, Entry, Index};
 use crate::labels;
 use crate::names::{Meaning, along, callee_around, open_bracket, part_before};
+use crate::network;
+use crate::role::in_rung;
 use crate::words::{Words, bare, is_name};
 
 /// Words of SCL that the grammar reads as lines of their own.
@@ -88,9 +91,40 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             items.extend(keywords.chain(REGION).map(|word| item(word, CompletionItemKind::KEYWORD, "")));
             items.extend(locals(index, entry));
         }
+        Language::Sd if in_rung(words, first) && matches!(before, "(" | ",") => items.extend(pins(words, first)),
+        Language::Sd if in_rung(words, first) => {
+            items.extend(elements::elements().map(|row| {
+                let names: Vec<&str> = row.pins().map(|pin| pin.name()).collect();
+                item(row.name, CompletionItemKind::OPERATOR, &names.join(", "))
+            }));
+        }
         Language::Sd | Language::Graph => {}
     }
     items
+}
+
+/// `pt := ` for each pin of an element that the list does not have yet. The flow comes and goes on wires.
+fn pins(words: &Words, at: usize) -> Vec<CompletionItem> {
+    let Some(open) = open_bracket(words, at) else { return Vec::new() };
+    let element = open.checked_sub(1).and_then(|before| elements::find_sd(words.word(before)));
+    let Some((row, _)) = element else { return Vec::new() };
+    let given: Vec<&str> =
+        (open..at).filter(|&at| matches!(words.word(at + 1), ":=" | "=>")).map(|at| words.word(at)).collect();
+    let is_missing = |pin: &PinRow| {
+        let is_plain = ![row.flow.0, row.flow.1].contains(&pin.name());
+        pin.numbered || is_plain && !given.iter().any(|own| pin.matches(own).is_some())
+    };
+    let propose = |pin: PinRow| {
+        let sign = match pin.direction {
+            PinDirection::Input | PinDirection::InOut => ":=",
+            PinDirection::Output => "=>",
+        };
+        CompletionItem {
+            insert_text: Some(format!("{} {sign} ", pin.name())),
+            ..item(pin.name(), CompletionItemKind::FIELD, network::direction(pin))
+        }
+    };
+    row.pins().filter(is_missing).map(propose).collect()
 }
 
 /// The text of the line up to a byte.

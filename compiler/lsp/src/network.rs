@@ -58,7 +58,8 @@ fn element(word: &str) -> Option<String> {
     Some(text)
 }
 
-const fn direction(pin: PinRow) -> &'static str {
+/// What a pin is for.
+pub const fn direction(pin: PinRow) -> &'static str {
     match pin.direction {
         PinDirection::Input => "input",
         PinDirection::Output => "output",

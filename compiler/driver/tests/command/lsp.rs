@@ -669,7 +669,7 @@ fn elements_pins_and_wires_of_networks_are_explained() {
         ("wi|re#powerrail", &["wire#powerrail", "TRUE"]),
         ("wire#power|rail", &["wire#powerrail", "TRUE"]),
         // The parameter of a block.
-        ("#one( o|n :=", &["on : Bool", "IN of FUNCTION_BLOCK Lamp"]),
+        ("#one( o|n :=", &["on : Bool", "IN of FUNCTION_BLOCK Lamp"][..]),
     ] {
         let found = editor.at("textDocument/hover", "lamp.s7dcl", piece);
         let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
@@ -677,6 +677,16 @@ fn elements_pins_and_wires_of_networks_are_explained() {
             assert!(found.contains(text), "{piece}: {text} is not in {found}");
         }
     }
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "RUNG #on  |A( in2");
+    for name in ["Contact", "Coil", "A", "TON"] {
+        assert!(labels(&found).contains(&name), "{name} is not in {found}");
+    }
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "RUNG #on  A( |in2");
+    assert_eq!(labels(&found), ["in1"]);
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "TON( pt := #time, |et");
+    assert_eq!(labels(&found), ["en", "et", "eno"]);
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "#one( |on :=");
+    assert_eq!(labels(&found), ["on", "time", "lit"]);
 }
 
 /// As while the block is not written yet.
