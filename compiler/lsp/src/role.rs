@@ -84,7 +84,8 @@ pub fn of(index: &Index, entry: Option<Entry>, words: &Words, at: usize) -> Role
 
 /// Whether a word before `:=` or `=>` is the name of a parameter in a call.
 pub fn is_argument(entry: Option<Entry>, words: &Words, at: usize, bracket: Option<usize>) -> bool {
-    let is_bare = !words.word(at).starts_with(['#', '"']) && !(at > 0 && matches!(words.word(at - 1), "#" | "."));
+    let is_marked = words.word(at).starts_with(['#', '"']) || at > 0 && matches!(words.word(at - 1), "#" | ".");
+    let is_bare = !is_marked;
     let is_code = entry.is_some_and(|entry| matches!(entry.block, Block::Code(_)));
     let in_list = bracket.is_some() || words.language(at) == Language::Stl;
     matches!(words.word(at + 1), ":=" | "=>") && is_bare && is_code && in_list
