@@ -15,7 +15,14 @@ fn read([transport, count, area, address]: [u8; 4]) -> [u8; 31] {
     frame
 }
 
-/// The name of the CPU by bytes and by bits; peripheral addresses are those of other CPUs.
+/// Asks for status list 0011, the identification.
+const IDENTIFICATION: [u8; 33] = [
+    3, 0, 0, 33, 2, 0xF0, 0x80, 0x32, 7, 0, 0, 0, 4, 0, 8, 0, 8, 0, 1, 0x12, 4, 0x11, 0x44, 1, 0, 0xFF, 9, 0, 4, 0,
+    0x11, 0, 0,
+];
+
+/// Clients learn which CPU the program is for, not another one of its family. The name of the CPU by bytes and by bits; peripheral addresses
+/// are those of other CPUs.
 pub fn areas() -> Result<(), Failed> {
     let (folder, port) = (tempfile::tempdir()?, free_port());
     let (source, out) = (folder.path().join("main.awl"), folder.path().join("s7200"));
@@ -23,11 +30,11 @@ pub fn areas() -> Result<(), Failed> {
         &source,
         "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD SM0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n",
     )?;
-    process::plcc(&["build", "--quiet", "--services"], &[&source], &out)?;
+    process::plcc(&["build", "--quiet", "--services", "--cpu", "224XP"], &[&source], &out)?;
     let plc = Plc::run(&out, &["--s7", &port.to_string()])?;
     // Transport size, elements, area, address; then the item in the answer. `C` is 2#0100_0011.
     let cases: [([u8; 4], &[u8]); 6] = [
-        ([2, 3, 0x03, 0], &[0xFF, 4, 0, 24, b'C', b'P', b'U']),
+        ([2, 9, 0x03, 0], b"\xFF\x04\0\x48CPU 224XP"),
         ([1, 1, 0x03, 0], &[0xFF, 3, 0, 1, 1]),
         ([1, 1, 0x03, 2], &[0xFF, 3, 0, 1, 0]),
         ([1, 1, 0x82, 0], &[0xFF, 3, 0, 1, 1]),
@@ -39,6 +46,11 @@ pub fn areas() -> Result<(), Failed> {
         if !answer.ends_with(expected) {
             return Err(format!("{item:02X?} is answered with {answer:02X?}").into());
         }
+    }
+    let answer = asks(port, &[CONNECT, SETUP, &IDENTIFICATION])?;
+    let order = b"6ES7 214-2AD        ";
+    if !answer.windows(order.len()).any(|part| part == order) {
+        return Err(format!("the identification is {answer:02X?}").into());
     }
     plc.end().map(drop)
 }

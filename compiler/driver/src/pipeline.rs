@@ -33,7 +33,7 @@ use plcc_syntax::symbols::SymbolTable;
 use rustc_hash::FxHashSet;
 
 use consequences::{forget_doubtful, forget_lost};
-use cpu::{pragma_profile, profile_of};
+use cpu::{order_of, pragma_profile, profile_of};
 
 use crate::beginning;
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
@@ -253,6 +253,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let names = project.as_ref().map(|project| project.names.clone()).unwrap_or_default();
     let tables_beside = project.as_ref().map(|project| project.tables_beside.clone()).unwrap_or_default();
     let of_cpu = project.as_ref().map(|project| project.of_cpu.clone()).unwrap_or_default();
+    let cpu_order = order_of(settings, project.as_ref(), &profile);
     let input = BindInput {
         name,
         sources: &sources,
@@ -261,7 +262,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         profile,
         safety_as_standard: settings.safety_as_standard
             || project.as_ref().is_some_and(|project| project.safety_as_standard),
-        config: project.map(|project| project.config).unwrap_or_default(),
+        config: Config { cpu_order, ..project.map(|project| project.config).unwrap_or_default() },
         partial,
         stand_ins: None,
         pragmas: settings.pragmas,

@@ -311,7 +311,7 @@ pub struct Config {
     pub startup: u16,
     /// Retentive memory.
     pub retain: RetainConfig,
-    /// Order number of the CPU, `6ES7 315-2AF03-0AB0`; empty if unknown.
+    /// Order number of the CPU, `6ES7 315-2AF03-0AB0`, or how it begins, `6ES7 315-2AF`; empty if unknown.
     pub cpu_order: String,
     /// Folder of the program's files, if the flags of the run say nothing.
     pub data_folder: Option<String>,

@@ -121,6 +121,19 @@ impl Access<'_> {
     }
 }
 
+/// How the names of profiles begin that are of a family, not of one CPU.
+const FAMILY_BEGINS: &str = "s7-";
+
+/// What is written on the CPU of a profile: `CPU 315-2 PN/DP` for `315-2PN/DP`.
+fn module_name(profile: &str) -> String {
+    let is_digit = |letter: char| letter.is_ascii_digit();
+    let begins = ["PN", "DP", "PtP", "IFM"].into_iter().filter_map(|interface| profile.find(interface)).min();
+    let begins = begins.filter(|at| profile[..*at].ends_with(is_digit)).unwrap_or(profile.len());
+    let (model, interface) = profile.split_at(begins);
+    let kind = if model.starts_with(is_digit) { "CPU " } else { "" };
+    format!("{kind}{model} {interface}").trim_end().to_string()
+}
+
 /// The bytes of a place, or the bit of its byte that was asked for.
 fn asked(place: Place, bytes: &[u8]) -> Vec<u8> {
     match place.bit {
@@ -170,7 +183,11 @@ impl Plc for Access<'_> {
 
     fn names(&self) -> Names {
         let image = &self.0.image;
-        let given = image.config.cpu_order.clone();
+        let (given, profile) = (image.config.cpu_order.clone(), &image.profile.name);
+        if !profile.starts_with(FAMILY_BEGINS) {
+            return Names { program: image.name.clone(), order: given, module: module_name(profile) };
+        }
+        // Of a family its most usual CPU.
         let (order, module) = match self.family() {
             Family::S7300 => ("6ES7 315-2AG10-0AB0", "CPU 315-2 DP"),
             Family::S7400 => ("6ES7 414-2XG04-0AB0", "CPU 414-2"),
@@ -178,11 +195,7 @@ impl Plc for Access<'_> {
             Family::S71200 => ("6ES7 214-1AG40-0XB0", "CPU 1214C DC/DC/DC"),
             Family::S71500 => ("6ES7 511-1AK01-0AB0", "CPU 1511-1 PN"),
         };
-        Names {
-            program: image.name.clone(),
-            order: if given.is_empty() { order.to_string() } else { given },
-            module: module.to_string(),
-        }
+        Names { program: image.name.clone(), order: order.to_string(), module: module.to_string() }
     }
 
     fn read(&self, place: Place) -> Result<Vec<u8>, ItemError> {
@@ -340,5 +353,27 @@ impl Plc for Access<'_> {
     fn cell_bit(&self, area: Area, number: u32) -> bool {
         let bits = if area == Area::Timers { system::TIMER_BITS } else { system::COUNTER_BITS };
         self.is_s7200() && number < self.cells(area) && self.0.memory.byte(layout::SYSTEM + bits + number) != 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::module_name;
+
+    #[test]
+    fn modules_are_named_as_it_is_written_on_them() {
+        for (profile, name) in [
+            ("315-2DP", "CPU 315-2 DP"),
+            ("314C-2PN/DP", "CPU 314C-2 PN/DP"),
+            ("313C-2PtP", "CPU 313C-2 PtP"),
+            ("312IFM", "CPU 312 IFM"),
+            ("1513pro F-2PN", "CPU 1513pro F-2 PN"),
+            ("1504D TF", "CPU 1504D TF"),
+            ("224XP", "CPU 224XP"),
+            ("IM 151-8F PN/DP", "IM 151-8F PN/DP"),
+            ("IM 154-8PN/DP", "IM 154-8 PN/DP"),
+        ] {
+            assert_eq!(module_name(profile), name);
+        }
     }
 }

@@ -61,3 +61,13 @@ pub(super) fn profile_of(
     diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
     generic
 }
+
+/// The order number of the CPU, as far as it is known: that of a station, of the command line or of plc.toml, else how those of this CPU begin.
+pub(super) fn order_of(settings: &Settings, project: Option<&Project>, profile: &Profile) -> String {
+    let of_station = project.map(|project| project.config.cpu_order.as_str()).filter(|order| !order.is_empty());
+    let of_project = project.and_then(|project| project.cpu.as_ref()).map(|(name, _)| name.as_str());
+    match (settings.cpu.as_deref(), of_station) {
+        (None, Some(order)) => order.to_string(),
+        (named, _) => profile::order_number(named.or(of_project).unwrap_or_default(), profile),
+    }
+}

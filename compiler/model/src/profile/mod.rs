@@ -84,6 +84,18 @@ fn ordered(number: &str) -> Option<Profile> {
     row.or_else(|| s7200::cpus().iter().find(|cpu| matches(s7200::orders(cpu.name))).map(s7200::profile))
 }
 
+/// The order number of the CPU of `profile`, as far as it is known: `text`, if it is an order number of this CPU, else how those of this CPU
+/// begin. Empty for a family.
+pub fn order_number(text: &str, profile: &Profile) -> String {
+    let is_own = ordered(&normalized(text)).is_some_and(|found| found.name == profile.name);
+    if is_own {
+        return text.trim().to_string();
+    }
+    let row = PROFILES.iter().find(|row| row.name == profile.name);
+    let mut orders = row.map(|row| row.orders).unwrap_or_default().iter().chain(s7200::orders(&profile.name));
+    orders.next().map_or_else(String::new, |order| format!("{} {order}", ORDERS[0]))
+}
+
 /// Fewer digits or letters do not tell a CPU from others.
 const DIGITS_MIN: usize = 3;
 
@@ -225,6 +237,25 @@ mod tests {
         for row in PROFILES {
             assert_eq!(lookup(row.name).map(|profile| profile.name).as_deref(), Some(row.name));
         }
+    }
+
+    #[test]
+    fn order_numbers_are_those_of_the_user_or_how_they_begin() {
+        for (text, order) in [
+            ("6ES7 315-2EH14-0AB0", "6ES7 315-2EH14-0AB0"),
+            (" 6ag1 516-3an01-2ab0 ", "6ag1 516-3an01-2ab0"),
+            ("1516-3 PN/DP", "6ES7 516-3AN"),
+            ("224XP", "6ES7 214-2AD"),
+            ("s7-300", ""),
+            ("1508S", ""),
+        ] {
+            let profile = lookup(text).expect("a CPU");
+            assert_eq!(order_number(text, &profile), order, "{text}");
+        }
+        // The CPU of the command line is another one.
+        let other = lookup("313C").expect("a CPU");
+        assert_eq!(order_number("6ES7 315-2EH14-0AB0", &other), "6ES7 313-5B");
+        assert_eq!(order_number("", &other), "6ES7 313-5B");
     }
 
     #[test]
