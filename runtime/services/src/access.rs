@@ -341,6 +341,10 @@ impl Plc for Access<'_> {
             .map(|size| size.min(u32::from(u16::MAX)) as u16)
     }
 
+    fn retentive(&self) -> [u16; 3] {
+        self.0.retentive_amounts().map(|amount| amount.min(u32::from(u16::MAX)) as u16)
+    }
+
     fn data_memory(&self) -> [u32; 3] {
         let memory = self.0.data_memory();
         [memory.all, memory.used, memory.largest_free]

@@ -8,7 +8,7 @@
 use plcc_abi::image::{DbEntry, Family, Kept};
 use plcc_abi::layout::{self, COUNTER_CELL_BYTES};
 use plcc_abi::names::{NamedType, TypeNumber};
-use plcc_abi::s7200::V_DB;
+use plcc_abi::s7200::{COUNTERS, V_DB};
 
 use crate::cpu::{Area, Cpu};
 use crate::timers;
@@ -109,6 +109,25 @@ pub(crate) enum Refused {
     Program(String),
 }
 
+impl Cpu {
+    /// How many bytes of bit memory, timers and counters are retentive.
+    pub fn retentive_amounts(&self) -> [u32; 3] {
+        let (profile, config) = (&self.image.profile, &self.image.config.retain);
+        let (_, m_bytes) = self.area(Area::BitMemory);
+        if profile.family == Family::S7200 {
+            let cells: u32 = self.s7200_retentive_cells().map(|(_, bytes)| bytes / 2).sum();
+            return [m_bytes.saturating_sub(S7200_M_FIRST), cells - COUNTERS, COUNTERS];
+        }
+        let defaults = Defaults::of(profile.family);
+        let count = |given: Option<u32>, default: u32, all: u32| given.unwrap_or(default).min(all);
+        [
+            count(config.bit_memory, defaults.bit_memory, m_bytes),
+            count(config.timers, defaults.timers, profile.timers.min(layout::TIMERS_MAX)),
+            count(config.counters, defaults.counters, profile.counters.min(layout::TIMERS_MAX)),
+        ]
+    }
+}
+
 impl Items {
     /// What is retentive on this CPU; with `everything`, all of its memory.
     pub(crate) fn of(cpu: &Cpu, everything: bool) -> Items {
@@ -118,8 +137,6 @@ impl Items {
         };
         let (m, m_bytes) = cpu.area(Area::BitMemory);
         let profile = &cpu.image.profile;
-        let config = &cpu.image.config.retain;
-        let defaults = Defaults::of(profile.family);
         if profile.family == Family::S7200 {
             let first = S7200_M_FIRST.min(m_bytes);
             add(Kind::BitMemory, 0, 0, Place::Memory(vec![Bits::bytes(m + first, m_bytes - first)]));
@@ -137,14 +154,12 @@ impl Items {
             add(Kind::Db, V_DB, signature, Place::Memory(vec![Bits::bytes(at, bytes)]));
             return Items { everything: false, items };
         }
-        let count = |given: Option<u32>, default: u32, all: u32| {
-            if everything { all } else { given.unwrap_or(default).min(all) }
+        let [m_kept, timers, counters] = match everything {
+            true => [m_bytes, profile.timers.min(layout::TIMERS_MAX), profile.counters.min(layout::TIMERS_MAX)],
+            false => cpu.retentive_amounts(),
         };
-        let m_kept = count(config.bit_memory, defaults.bit_memory, m_bytes);
         add(Kind::BitMemory, 0, 0, Place::Memory(vec![Bits::bytes(m, m_kept)]));
-        let timers = profile.timers.min(layout::TIMERS_MAX);
-        add(Kind::Timers, 0, 0, Place::Timers(count(config.timers, defaults.timers, timers)));
-        let counters = count(config.counters, defaults.counters, profile.counters.min(layout::TIMERS_MAX));
+        add(Kind::Timers, 0, 0, Place::Timers(timers));
         add(Kind::Counters, 0, 0, Place::Memory(vec![Bits::bytes(layout::C, counters * COUNTER_CELL_BYTES)]));
         add(Kind::Meters, 0, 0, Place::Meters);
         if everything {

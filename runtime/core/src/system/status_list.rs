@@ -74,14 +74,15 @@ fn identification(cpu: &Cpu) -> Vec<u8> {
 /// Index, code 1 (RAM), number, retentive number: inputs, outputs and bit memory in bytes, timers, counters.
 fn system_areas(cpu: &Cpu) -> Vec<Vec<u16>> {
     let profile = &cpu.image.profile;
-    let sizes = [
-        cpu.area(Area::Inputs).1,
-        cpu.area(Area::Outputs).1,
-        cpu.area(Area::BitMemory).1,
-        profile.timers,
-        profile.counters,
+    let [bit_memory, timers, counters] = cpu.retentive_amounts();
+    let areas = [
+        (cpu.area(Area::Inputs).1, 0),
+        (cpu.area(Area::Outputs).1, 0),
+        (cpu.area(Area::BitMemory).1, bit_memory),
+        (profile.timers, timers),
+        (profile.counters, counters),
     ];
-    (1..).zip(sizes).map(|(index, size)| vec![index, 1, size as u16, 0]).collect()
+    (1..).zip(areas).map(|(index, (size, retentive))| vec![index, 1, size as u16, retentive as u16]).collect()
 }
 
 /// Index 4: mode selector RUN-P (2), no protection.

@@ -132,6 +132,10 @@ impl Plc for Fake {
         vec![module(0, 4, 0, 0xB402), module(1, 4, 36, 0xB502)]
     }
 
+    fn retentive(&self) -> [u16; 3] {
+        [16, 0, 8]
+    }
+
     fn sizes(&self) -> [u16; 6] {
         [128; 6]
     }

@@ -153,6 +153,9 @@ pub trait Plc {
     /// Bytes of the process images and of bit memory, timers, counters, local data.
     fn sizes(&self) -> [u16; 6];
 
+    /// How much is retentive: bytes of bit memory, timers, counters.
+    fn retentive(&self) -> [u16; 3];
+
     /// The memory of data blocks: bytes, those in use, and those of the longest block that still has room.
     fn data_memory(&self) -> [u32; 3];
 

@@ -157,9 +157,22 @@ fn modules(plc: &dyn Plc, wanted: impl Fn(&[u16; 8]) -> bool) -> Vec<Vec<u8>> {
     plc.modules().iter().filter(|module| wanted(module)).map(|module| record(module, &[])).collect()
 }
 
+/// Process images, bit memory, timers, counters, local data: how much there is, and how much of it is retentive. Record 6 would be the bytes of
+/// peripheral addresses, which are one more than a word can say.
+///
+/// Source: System and standard functions, list 14.
 fn areas(plc: &dyn Plc) -> Vec<Vec<u8>> {
-    let sizes = plc.sizes();
-    (1u16..).zip(sizes).map(|(index, size)| record(&[index, 1, size, 0], &[])).collect()
+    let [inputs, outputs, bit_memory, timers, counters, local_data] = plc.sizes();
+    let [bit_memory_kept, timers_kept, counters_kept] = plc.retentive();
+    let areas = [
+        (1, inputs, 0),
+        (2, outputs, 0),
+        (3, bit_memory, bit_memory_kept),
+        (4, timers, timers_kept),
+        (5, counters, counters_kept),
+        (7, local_data, 0),
+    ];
+    areas.map(|(index, size, retentive)| record(&[index, 1, size, retentive], &[])).to_vec()
 }
 
 /// How many blocks there may be of each kind, largest block in KB, and how many bytes may be loaded. Source: System and standard functions,

@@ -320,10 +320,14 @@ fn status_lists_tell_what_there_is() {
     assert_eq!(list("0222", "0001"), [0x11; 28]);
     assert_eq!(list("0131", "0002")[..5], hex("0002 04 00 41"), "status of variables, jobs, LEDs");
     assert_eq!(list("0113", "0001")[..24], hex("0001 0001 00010000 0009 0000 00010000 000000A0 0000FF60"));
+    assert_eq!(list("0114", "0003"), hex("0003 0001 0080 0010"), "16 bytes of bit memory are retentive");
+    assert_eq!(list("0114", "0005"), hex("0005 0001 0080 0008"), "eight counters");
+    assert_eq!(list("0114", "0007"), hex("0007 0001 0080 0000"), "local data");
     assert_eq!(list("0091", "0000").len(), 32);
     assert_eq!(list("0C91", "0024"), hex("0001 0400 0024 0000 0000 0000 B502 0001"), "the module with byte 36");
     assert_eq!(list("0D91", "0000"), hex("0000 0400 0000 0000 0000 0000 B402 0001"), "the central rack");
     assert_eq!(status_list(&mut session, &plc, "0D91", "0007"), Err(0xD402));
+    assert_eq!(status_list(&mut session, &plc, "0114", "0006"), Err(0xD402));
 }
 
 #[test]
