@@ -99,7 +99,7 @@ pub fn of(text: &str) -> Content {
 /// Finds out what the file `path` in a folder is. The user did not name it, so it must look clearly like a source.
 /// `is_source`: its extension is that of a source.
 pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
-    if is_output(text) {
+    if is_output(path, text) {
         return Content::Nothing;
     }
     match foreign::of_name(path) {
@@ -139,9 +139,15 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
     }
 }
 
-/// An executable or a trace, which plcc itself writes next to the sources.
-fn is_output(text: &str) -> bool {
-    ["\u{7f}ELF", "cycle,time_ms,", "$timescale"].iter().any(|start| text.starts_with(start))
+/// What plcc itself and its programs write next to the sources: executables, traces, coverage, container images, retentive memory, recordings,
+/// units of a co-simulation, certificates and keys.
+fn is_output(path: &Path, text: &str) -> bool {
+    const STARTS: [&str; 8] =
+        ["\u{7f}ELF", "cycle,time_ms,", "$timescale", "TN:\nSF:", "oci-layout\0", "PLCRET", "PLCCREC", "-----BEGIN "];
+    let is_named = |suffix: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(suffix));
+    STARTS.iter().any(|start| text.starts_with(start))
+        || is_named("fmu") && text.starts_with("PK\u{3}\u{4}")
+        || is_named("der") && is_binary(text)
 }
 
 /// A table whose form is wrong: its reader says how.
@@ -274,9 +280,21 @@ mod tests {
     #[test]
     fn files_of_folders_must_look_like_sources() {
         let of = |name: &str, text: &str| in_folder(Path::new(name), text, false);
-        for output in ["\u{7f}ELF\u{2}\u{1}\0", "cycle,time_ms,I0.0\n0,0,0\n", "$timescale 1 us $end\n"] {
-            assert_eq!(of("blink", output), Content::Nothing);
+        for (name, output) in [
+            ("blink", "\u{7f}ELF\u{2}\u{1}\0"),
+            ("blink.csv", "cycle,time_ms,I0.0\n0,0,0\n"),
+            ("blink.vcd", "$timescale 1 us $end\n"),
+            ("lcov.info", "TN:\nSF:./main.scl\nFN:68,OB1 Main\n"),
+            ("blink.tar", "oci-layout\0\0\0"),
+            ("blink.fmu", "PK\u{3}\u{4}\u{14}\0"),
+            ("blink.retain", "PLCRET2\n\u{10}\0\0"),
+            ("plant.rec", "PLCCREC\u{2}\u{18}\0"),
+            ("key.pem", "-----BEGIN PRIVATE KEY-----\nMIIEvgIBADANBgkq\n-----END PRIVATE KEY-----\n"),
+            ("own.der", "0\u{201A}\u{3},0\u{201A}\u{2}"),
+        ] {
+            assert_eq!(of(name, output), Content::Nothing, "{name}");
         }
+        assert_eq!(of("other.tar", "ustar\0"), Content::Other("an archive: unpack it"));
         for (name, text) in [
             ("main", "A I 0.0\n= Q 4.0\n"),
             ("main.txt", "      U     E 0.0;\n      S     M 3.1;\n"),

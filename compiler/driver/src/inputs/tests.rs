@@ -147,6 +147,13 @@ fn what_a_run_has_written_is_no_part_of_the_program() {
     fs::write(folder.path().join("plc.toml"), "data = \"logs\"\n").unwrap();
     let found = read(&[folder.path().to_path_buf()]);
     assert_eq!((found.units.len(), found.diagnostics.len()), (1, 0));
+    // Retentive memory, the certificate and the key of the OPC UA server.
+    fs::write(folder.path().join("tank.retain"), b"PLCRET2\n\x10\0\0\0\0\0\0\0").unwrap();
+    fs::create_dir(folder.path().join("opcua")).unwrap();
+    fs::write(folder.path().join("opcua/own.der"), b"0\x82\x03\x2C0\x82\x02\x14\xA0\x03\x02\x01").unwrap();
+    fs::write(folder.path().join("opcua/own.pem"), "-----BEGIN PRIVATE KEY-----\nMIIEvgIBADAN\n").unwrap();
+    let found = read(&[folder.path().to_path_buf()]);
+    assert_eq!((found.units.len(), found.diagnostics.len()), (1, 0));
     // The folder of the program itself is no folder of data alone.
     fs::write(folder.path().join("plc.toml"), "data = \".\"\n").unwrap();
     assert_eq!(read(&[folder.path().to_path_buf()]).units.len(), 2);
