@@ -7,6 +7,7 @@
 //!
 //! All messages are retained with quality of service 1.
 
+use std::collections::HashMap;
 use std::time::Duration;
 
 use jiff::Timestamp;
@@ -45,7 +46,9 @@ impl Publisher {
             target.broker.prefix = PREFIX.to_string();
         }
         let found = named(values, image)?;
-        let signals: Vec<_> = found.into_iter().map(|signal| (topic(&signal.name), signal)).collect();
+        let names: Vec<&str> = found.iter().map(|signal| signal.name.as_str()).collect();
+        let topics = topics(&names)?;
+        let signals = topics.into_iter().zip(found).filter_map(|(topic, signal)| Some((topic?, signal))).collect();
         let interval = interval_ms.map_or(INTERVAL_DEFAULT, |ms| Duration::from_millis(ms.into()));
         Ok(Publisher { target, signals, interval })
     }
@@ -73,6 +76,30 @@ pub fn named(values: &[String], image: &ProgramImage) -> Result<Vec<Signal>, Str
 /// The last part of a topic: the name without what brokers take for something else.
 fn topic(name: &str) -> String {
     name.replace(['/', '+', '#', '\0', '"'], "_").replace(' ', "")
+}
+
+/// The topic of each name, its last part; `None`: the name came before. `Err`: two names have one topic, so that nobody could tell their values
+/// apart.
+fn topics(names: &[&str]) -> Result<Vec<Option<String>>, String> {
+    let mut taken: HashMap<String, &str> = HashMap::new();
+    let mut topics = Vec::with_capacity(names.len());
+    for &name in names {
+        let own = topic(name);
+        match taken.get(&own) {
+            Some(other) if *other == name => topics.push(None),
+            Some(other) => {
+                return Err(format!(
+                    "--publish: `{other}` and `{name}` have the same topic, `{own}`, because topics have no quotes, blanks, `/`, `+` and \
+                     `#`; rename one of them, or leave it out"
+                ));
+            }
+            None => {
+                taken.insert(own.clone(), name);
+                topics.push(Some(own));
+            }
+        }
+    }
+    Ok(topics)
 }
 
 /// The values of one cycle, in the order of the signals. They become texts elsewhere: the cycle waits for this.
@@ -178,5 +205,18 @@ pub async fn run(publisher: Publisher, link: Link) {
         if all {
             last = Instant::now();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::topics;
+
+    #[test]
+    fn each_value_has_a_topic_of_its_own() {
+        let found = topics(&["Motor.speed", "\"My DB\".\"a/b\"", "Motor.speed"]).unwrap();
+        assert_eq!(found, [Some("Motor.speed".to_string()), Some("_MyDB_._a_b_".to_string()), None]);
+        let error = topics(&["D.\"a/b\"", "D.\"a+b\""]).unwrap_err();
+        assert!(error.starts_with("--publish: `D.\"a/b\"` and `D.\"a+b\"` have the same topic, `D._a_b_`"), "{error}");
     }
 }
