@@ -73,8 +73,8 @@ TYPES = [
     ('ltod', 'String', 'String', 'LTOD#06:00:00.000000001', 'LTOD#23:59:59.999999999'),
     ('dtl', 'String', 'String', 'DTL#1970-01-01-00:00:00', 'DTL#2262-04-11-23:47:16'),
     ('wc', 'String', 'String', 'y', 'Ж'),
-    ('ws', 'String', 'String', 'wide', 'Жук'),
-    ('s', 'String', 'String', 'start <1> & "2"', "it's"),
+    ('ws', 'String', 'String', 'wide', 'Жук $0416'),
+    ('s', 'String', 'String', 'start <1> & "2"', "it's $5, $41"),
 ]
 
 

@@ -205,7 +205,10 @@ impl Instance {
                 _ => Ok(Value::Number(*number)),
             },
             (Kind::Text, Scalar::Text(text)) => match source {
-                Source::Typed(_, ty) if is_characters(ty.ty) => source.parse(&format!("'{text}'"), &self.cpu.image),
+                // As in a program, where `$` begins an escape.
+                Source::Typed(_, ty) if is_characters(ty.ty) => {
+                    source.parse(&format!("'{}'", text.replace('$', "$$")), &self.cpu.image)
+                }
                 _ => source.parse(text, &self.cpu.image),
             },
             _ => Err("the value has another type".to_string()),
