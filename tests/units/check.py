@@ -124,6 +124,7 @@ def types(path):
         refused(lambda: unit.set('V.i', 32768))
         refused(lambda: unit.set('V.lw', 'many'))
         refused(lambda: unit.set('V.ud', 0.5))
+        refused(lambda: unit.set('V.r', 1e39))
     refused(lambda: unit.set('V.s', 'more than twenty characters'))
     refused(lambda: unit.instance.getString([unit.variables['I0.0'].valueReference]))
     unit.step(0.03, 0.01)

@@ -202,6 +202,9 @@ impl Instance {
                 Source::Channel(..) if !number.is_finite() => {
                     Err(format!("{number} is not a value of an analog channel"))
                 }
+                _ if kind == Kind::Float32 && number.is_finite() && !(*number as f32).is_finite() => {
+                    Err(format!("{number:e} does not fit into REAL, which goes to {:e}", f32::MAX))
+                }
                 _ => Ok(Value::Number(*number)),
             },
             (Kind::Text, Scalar::Text(text)) => match source {
