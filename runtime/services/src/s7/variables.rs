@@ -34,6 +34,8 @@ pub(super) const OCTETS: u8 = 9;
 
 const ELEMENT_BIT: u8 = 0x01;
 const ELEMENT_BYTE: u8 = 0x02;
+const ELEMENT_WORD: u8 = 0x04;
+const ELEMENT_INTEGER: u8 = 0x05;
 const ELEMENT_COUNTER: u8 = 0x1C;
 const ELEMENT_TIMER: u8 = 0x1D;
 /// Counters and timers of an S7-200: the bit, and the current value in the last two bytes.
@@ -44,8 +46,8 @@ const ELEMENTS: [Element; 18] = [
     Element { code: ELEMENT_BIT, bytes: 1, answer: BIT },
     Element { code: ELEMENT_BYTE, bytes: 1, answer: WORDS },
     Element { code: 0x03, bytes: 1, answer: OCTETS },
-    Element { code: 0x04, bytes: 2, answer: WORDS },
-    Element { code: 0x05, bytes: 2, answer: INTEGER },
+    Element { code: ELEMENT_WORD, bytes: 2, answer: WORDS },
+    Element { code: ELEMENT_INTEGER, bytes: 2, answer: INTEGER },
     Element { code: 0x06, bytes: 4, answer: WORDS },
     Element { code: 0x07, bytes: 4, answer: INTEGER },
     Element { code: 0x08, bytes: 4, answer: REAL },
@@ -117,9 +119,11 @@ fn item(family: Family, body: &[u8]) -> Item {
         return Err(ItemError::OutOfRange);
     }
     let cells = matches!(area, Area::Timers | Area::Counters);
+    // Of an S7-200 the bit, or the current value, which is a word.
+    let is_cell_of_s7200 = matches!(transport, ELEMENT_BIT | ELEMENT_BYTE | ELEMENT_WORD | ELEMENT_INTEGER);
     let of_area = match area {
-        Area::Timers if s7200 => !matches!(transport, ELEMENT_COUNTER | ELEMENT_S7200_COUNTER),
-        Area::Counters if s7200 => !matches!(transport, ELEMENT_TIMER | ELEMENT_S7200_TIMER),
+        Area::Timers if s7200 => is_cell_of_s7200 || matches!(transport, ELEMENT_TIMER | ELEMENT_S7200_TIMER),
+        Area::Counters if s7200 => is_cell_of_s7200 || matches!(transport, ELEMENT_COUNTER | ELEMENT_S7200_COUNTER),
         Area::Timers => transport == ELEMENT_TIMER,
         Area::Counters => transport == ELEMENT_COUNTER,
         _ => !matches!(transport, ELEMENT_COUNTER..=ELEMENT_S7200_TIMER),
@@ -128,7 +132,11 @@ fn item(family: Family, body: &[u8]) -> Item {
         return Err(ItemError::OutOfRange);
     }
     let place = if cells {
-        Place { area, start: address, bit: None, count }
+        let bit = (transport == ELEMENT_BIT).then_some(0);
+        if bit.is_some() && count != 1 {
+            return Err(ItemError::OutOfRange);
+        }
+        Place { area, start: address, bit, count }
     } else if transport == ELEMENT_BIT {
         if count != 1 {
             return Err(ItemError::OutOfRange);
@@ -179,6 +187,11 @@ pub fn read(plc: &dyn Plc, mut parameter: Bytes, pdu: usize) -> Result<(u8, Vec<
 }
 
 fn read_one(plc: &dyn Plc, place: Place, element: &Element) -> Result<Vec<u8>, ItemError> {
+    if is_bit_of_cell(&place) {
+        // The whole cell is read to see that it exists.
+        plc.read(Place { bit: None, ..place })?;
+        return Ok(vec![plc.cell_bit(place.area, place.start).into()]);
+    }
     let bytes = plc.read(place)?;
     if !element.has_bit() {
         return Ok(bytes);
@@ -193,8 +206,16 @@ fn read_one(plc: &dyn Plc, place: Place, element: &Element) -> Result<Vec<u8>, I
     Ok((place.start..).zip(words).flat_map(cell).collect())
 }
 
+/// The bit of a timer or counter of an S7-200.
+fn is_bit_of_cell(place: &Place) -> bool {
+    place.bit.is_some() && matches!(place.area, Area::Timers | Area::Counters)
+}
+
 /// Bytes of an item's data.
 fn size(place: &Place, element: &Element) -> u32 {
+    if is_bit_of_cell(place) {
+        return 1;
+    }
     if matches!(place.area, Area::Timers | Area::Counters) { place.count * element.bytes.max(2) } else { place.count }
 }
 
@@ -220,6 +241,10 @@ pub fn write(plc: &dyn Plc, mut parameter: Bytes, mut data: Bytes) -> Result<Vec
     let mut codes = Vec::with_capacity(count);
     for (item, (transport, length, values)) in jobs {
         let done = item.and_then(|(place, element)| {
+            // The program sets it.
+            if is_bit_of_cell(&place) {
+                return Err(ItemError::NotAllowed);
+            }
             let fits = match (place.bit, transport) {
                 (Some(_), BIT) => length == 1,
                 (Some(_), _) | (None, BIT) => false,
