@@ -1,6 +1,6 @@
 """asyncua against the programs of this folder.
 
-Arguments: `open` or `secure`, the port, the folder of the server's certificate.
+Arguments: `open`, `secure` or `s7200`, the port, the folder of the server's certificate.
 """
 import asyncio
 import datetime
@@ -426,7 +426,26 @@ async def second_session():
     await client.disconnect()
 
 
+async def s7200():
+    async with Client(URL) as client:
+        plc = await client.nodes.objects.get_child("3:PLC")
+
+        async def names(folder):
+            children = await (await plc.get_child(f"3:{folder}")).get_children()
+            return sorted([(await child.read_browse_name()).Name for child in children])
+
+        assert await names("Timers") == ["T37", "T37.VALUE"], await names("Timers")
+        assert await names("Counters") == ["C5", "C5.VALUE"], await names("Counters")
+        assert await names("Memory") == ["V10.3", "VW100"], await names("Memory")
+        assert await names("Outputs") == ["Q0.0"], await names("Outputs")
+        value = await plc.get_child(["3:Memory", "3:VW100"])
+        await value.write_value(77, V.UInt16)
+        assert await value.read_value() == 77
+
+
 async def main():
+    if what == "s7200":
+        return await s7200()
     await (asyncio.gather(without_users(), second_session()) if what == "open" else with_users())
 
 

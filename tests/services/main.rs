@@ -45,6 +45,7 @@ fn main() {
         trial("modbus_of_pymodbus", modbus.err(), || client(&["--modbus"], "modbus_client.py")),
         trial("opcua_of_asyncua", asyncua.clone(), || opcua(Program::Plant, "open")),
         trial("opcua_goes_on_when_the_program_changes", asyncua.clone(), change::sessions_go_on),
+        trial("opcua_of_an_s7_200_of_asyncua", asyncua.clone(), s7200::browsing),
         trial("opcua_with_security_of_asyncua", asyncua, || opcua(Program::Line, "secure")),
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
         trial("status_in_chromium", chromium().err(), status),

@@ -54,3 +54,20 @@ pub fn areas() -> Result<(), Failed> {
     }
     plc.end().map(drop)
 }
+
+/// What a client of OPC UA finds when it browses: V memory, and timers and counters in their folders.
+pub fn browsing() -> Result<(), Failed> {
+    let (folder, port) = (tempfile::tempdir()?, free_port().to_string());
+    let (source, out) = (folder.path().join("main.awl"), folder.path().join("s7200"));
+    std::fs::write(
+        &source,
+        "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n\
+         NETWORK 1\nLD V10.3\n= Q0.0\nTON T37, 100\n\
+         NETWORK 2\nLD V10.3\nLD V10.3\nCTU C5, 10\n\
+         NETWORK 3\nLD V10.3\nMOVW 5, VW100\nEND_ORGANIZATION_BLOCK\n",
+    )?;
+    process::plcc(&["build", "--quiet", "--services", "--cpu", "224XP"], &[&source], &out)?;
+    let plc = Plc::run_in(folder.path(), &out, &["--opcua", &port])?;
+    let certificates = folder.path().join("opcua").display().to_string();
+    crate::talk(plc, "asyncua_client.py", &["s7200", &port, &certificates])
+}

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
 use plcc_runtime::address::Place;
+use plcc_runtime::s7200::Part;
 
 use super::super::code::{Id, NodeId};
 use super::super::standard::{
@@ -117,9 +118,16 @@ impl Folder {
         match place {
             Place::Input(_) | Place::PeripheralInput(_) => Folder::Inputs,
             Place::Output(_) | Place::PeripheralOutput(_) => Folder::Outputs,
-            Place::BitMemory(_) | Place::Db(..) | Place::S7200(..) => Folder::Memory,
+            Place::BitMemory(_) | Place::Db(..) => Folder::Memory,
             Place::Timer(_) | Place::TimerValue(_) => Folder::Timers,
             Place::Counter(_) | Place::CounterValue(_) => Folder::Counters,
+            Place::S7200(part, _) => match part {
+                Part::AnalogInput => Folder::Inputs,
+                Part::AnalogOutput => Folder::Outputs,
+                Part::TimerBit | Part::TimerValue => Folder::Timers,
+                Part::CounterBit | Part::CounterValue | Part::HighSpeedCounter => Folder::Counters,
+                Part::SpecialMemory | Part::Relays | Part::Accumulator => Folder::Memory,
+            },
         }
     }
 }

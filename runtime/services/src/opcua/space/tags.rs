@@ -39,10 +39,12 @@ impl Space {
         }
         for (name, named) in names::used(&self.image) {
             let is_address = address::parse_for(&name, &self.image) == Some(named.address);
-            // A timer or counter of an S7-300/400 is its value.
-            if is_address
-                && !matches!(named.address.place, Place::Db(..) | Place::TimerValue(_) | Place::CounterValue(_))
-            {
+            // A timer or counter of an S7-300/400 is its value. Data blocks have a folder of their own, but V memory of an S7-200 has not.
+            let is_elsewhere = match self.image.s7200 {
+                Some(_) => false,
+                None => matches!(named.address.place, Place::Db(..) | Place::TimerValue(_) | Place::CounterValue(_)),
+            };
+            if is_address && !is_elsewhere {
                 tags.push(self.tag(format!("%{name}"), &name, named.address, Ty::Plain(plain(named.address.width))));
             }
         }
