@@ -131,8 +131,27 @@ pub fn check_registers(text: &str, has_bits: bool, image: &ProgramImage) -> Resu
     modbus::check(text, has_bits, image)
 }
 
-/// What clients with the right `control` may do, if the protocol has it.
+/// What clients with the right `control` may do, if the protocol has it and nothing is protected.
 const CONTROL: &str = "read, write, stop and start the CPU";
+
+/// What S7 clients with the right `control` may do. `is_portal`: such a CPU refuses STOP and restarts.
+fn control_of_s7(is_portal: bool, protection: Protection, has_password: bool) -> &'static str {
+    match (protection, has_password, is_portal) {
+        (Protection::ReadWrite, true, true) => "read and write, and with the password set the clock",
+        (Protection::ReadWrite, true, false) => "read and write, and with the password stop and start the CPU",
+        (Protection::ReadWrite, false, _) => "read and write",
+        (Protection::None | Protection::Write | Protection::Complete, _, true) => "read, write and set the clock",
+        (Protection::None | Protection::Write | Protection::Complete, _, false) => CONTROL,
+    }
+}
+
+/// What OPC UA clients with the right `control` may do if there are no users. Under complete protection nobody can sign in.
+fn control_of_opcua(protection: Protection) -> &'static str {
+    match protection {
+        Protection::None | Protection::Write => CONTROL,
+        Protection::ReadWrite | Protection::Complete => "read and write",
+    }
+}
 
 /// What answers on the side of the CPU, and what was opened, a line each.
 pub type Opened = (Option<Box<dyn Service>>, Vec<String>);
@@ -226,12 +245,11 @@ impl ServiceOptions {
         let server = s7::Server { link: link.clone(), guard, protection: config.protection, board: board.clone() };
         if let Some(address) = s7 {
             let door = listen::open("s7", address, clients.clone())?;
-            let control = match image.profile.family.is_portal() {
-                // They refuse STOP and restarts, as the CPUs do.
-                true => "read, write and set the clock",
-                false => CONTROL,
-            };
-            opened.push(line("S7 clients", &door, &clients.text(control)));
+            let (protection, has_password) = (config.protection, config.password.is_some());
+            let control = control_of_s7(image.profile.family.is_portal(), protection, has_password);
+            let is_locked = protection == Protection::Complete && has_password;
+            let locked = if is_locked { ", all of it with the password" } else { "" };
+            opened.push(line("S7 clients", &door, &format!("{}{locked}", clients.text(control))));
             plan.s7 = Some((door, server.clone()));
         }
         for (number, connection) in board.iter().flat_map(|board| board.connections().iter().enumerate()) {
@@ -251,7 +269,8 @@ impl ServiceOptions {
         if let Some(address) = opcua {
             let server = opcua::Server::new(link.clone(), config, image, address)?;
             let door = listen::open("opcua", address, clients.clone())?;
-            opened.push(line("OPC UA clients", &door, &server.text(&clients.text(CONTROL))));
+            let control = control_of_opcua(config.protection);
+            opened.push(line("OPC UA clients", &door, &server.text(&clients.text(control))));
             plan.opcua = Some((door, Arc::new(server)));
         }
         if let Some(address) = web {
@@ -449,6 +468,19 @@ mod tests {
         let flags: Vec<String> =
             command.get_arguments().filter_map(|flag| Some(format!("--{}", flag.get_long()?))).collect();
         assert_eq!(flags, plcc_runtime::options::SERVICE_FLAGS);
+    }
+
+    #[test]
+    fn protection_is_told_with_what_clients_may_do() {
+        let s7 = |protection, has_password| control_of_s7(false, protection, has_password);
+        assert_eq!(s7(Protection::None, false), "read, write, stop and start the CPU");
+        assert_eq!(s7(Protection::Write, true), "read, write, stop and start the CPU");
+        assert_eq!(s7(Protection::ReadWrite, true), "read and write, and with the password stop and start the CPU");
+        assert_eq!(s7(Protection::ReadWrite, false), "read and write");
+        assert_eq!(control_of_s7(true, Protection::None, false), "read, write and set the clock");
+        assert_eq!(control_of_s7(true, Protection::ReadWrite, false), "read and write");
+        assert_eq!(control_of_opcua(Protection::Write), "read, write, stop and start the CPU");
+        assert_eq!(control_of_opcua(Protection::ReadWrite), "read and write");
     }
 
     #[test]
