@@ -22,7 +22,7 @@ pub fn write_values(
         return Ok(());
     };
     let values = signals.iter().map(|Signal { name, source }| {
-        let value = serde_json::json!({ "type": source.ty(), "value": source.read(cpu, plant).json() });
+        let value = serde_json::json!({ "type": source.ty(), "value": source.read(cpu, plant).exact_json() });
         format!("{}: {value}", serde_json::Value::from(name.as_str()))
     });
     // In the order of the flags.

@@ -116,6 +116,15 @@ impl Value {
         }
     }
 
+    /// As [`Value::json`], for other programs: a REAL has all digits that tell it from its neighbours, not six.
+    pub fn exact_json(&self) -> serde_json::Value {
+        match self {
+            // The value of an analog channel is computed, and its last digits mean nothing.
+            Value::Number(number) if f64::from(*number as f32) == *number => shortest(*number as f32).into(),
+            Value::Number(_) | Value::Bits(..) | Value::Whole(_) | Value::Typed(..) => self.json(),
+        }
+    }
+
     /// A text without quotes.
     pub fn plain_text(&self) -> String {
         match self {
@@ -125,9 +134,35 @@ impl Value {
     }
 }
 
+/// The number with the fewest digits that mean this REAL: 0.1, not 0.10000000149011612.
+fn shortest(real: f32) -> f64 {
+    // No `-0`.
+    real.to_string().parse().unwrap_or(f64::from(real)) + 0.0
+}
+
 /// Six digits, the precision of a REAL.
 pub fn number_text(number: f64) -> String {
     let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
     // No `-0`.
     (rounded + 0.0).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value as Json, json};
+
+    use super::Value;
+
+    #[test]
+    fn other_programs_get_every_digit_of_a_real() {
+        let of = |real: f32| Value::Number(real.into()).exact_json();
+        assert_eq!(of(1_234_567.0), json!(1_234_567.0));
+        assert_eq!(of(33.0 / 7.0), json!(4.714286));
+        assert_eq!(of(0.1), json!(0.1));
+        assert_eq!(of(1e38), json!(1e38));
+        assert_eq!(of(-0.0).to_string(), "0.0");
+        assert_eq!((of(f32::NAN), of(f32::INFINITY)), (Json::Null, Json::Null));
+        // Of an analog channel.
+        assert_eq!(Value::Number(12.000_000_000_000_002).exact_json(), json!(12.0));
+    }
 }

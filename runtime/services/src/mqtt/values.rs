@@ -137,7 +137,7 @@ fn read(cpu: &Cpu, signals: &Signals, generation: u64) -> Values {
 /// The content of a message, without the time.
 fn content(signal: &Signal, value: Option<&Value>) -> String {
     match value {
-        Some(value) => format!("\"value\": {}, \"type\": \"{}\"", value.json(), signal.source.ty()),
+        Some(value) => format!("\"value\": {}, \"type\": \"{}\"", value.exact_json(), signal.source.ty()),
         None => "\"value\": null".to_string(),
     }
 }
