@@ -376,20 +376,23 @@ fn decode(ty: ValueType, bytes: &[u8], bit: u8) -> Result<Scalar, Status> {
     })
 }
 
-/// Source: S7-1200 system manual, DTL.
+/// Years of DTL, which ends at 2262-04-11 23:47:16.854775807, as the moments of this side do. Source: S7-1200 system manual, DTL.
+const DTL_YEARS: std::ops::RangeInclusive<i16> = 1970..=2262;
+
+/// The moment of a DTL; `None`: it has none.
 fn dtl(bytes: [u8; 12]) -> Option<i64> {
     let [y0, y1, month, day, _, hour, minute, second, nanos @ ..] = bytes;
     let small = |byte: u8| i8::try_from(byte).ok();
     let nanos = i32::try_from(u32::from_be_bytes(nanos)).ok()?;
-    let year = i16::try_from(u16::from_be_bytes([y0, y1])).ok().filter(|year| (1970..=2261).contains(year))?;
+    let year = i16::try_from(u16::from_be_bytes([y0, y1])).ok().filter(|year| DTL_YEARS.contains(year))?;
     let moment =
         civil::DateTime::new(year, small(month)?, small(day)?, small(hour)?, small(minute)?, small(second)?, nanos);
-    moment.ok().map(datetime::moment)
+    moment.ok().and_then(datetime::moment_in_range)
 }
 
 fn dtl_bytes(moment: i64) -> Option<[u8; 12]> {
     let at = datetime::civil(moment);
-    let year = u16::try_from(at.year()).ok().filter(|year| (1970..=2261).contains(year))?;
+    let year = Some(at.year()).filter(|year| DTL_YEARS.contains(year))?.unsigned_abs();
     let small = |field: i8| field.unsigned_abs();
     let ([y0, y1], [n0, n1, n2, n3]) = (year.to_be_bytes(), at.subsec_nanosecond().unsigned_abs().to_be_bytes());
     let weekday = small(at.date().weekday().to_sunday_one_offset());
@@ -474,4 +477,20 @@ fn encode(ty: ValueType, value: &Scalar) -> Result<Data, Status> {
             return Err(status::TYPE_MISMATCH);
         }
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{dtl, dtl_bytes};
+
+    #[test]
+    fn dtl_has_its_last_year() {
+        let last = [0x08, 0xD6, 4, 11, 6, 23, 47, 16, 0x32, 0xF2, 0xD7, 0xFF];
+        assert_eq!(dtl(last), Some(i64::MAX));
+        assert_eq!(dtl_bytes(i64::MAX), Some(last));
+        assert_eq!(dtl_bytes(-1), None, "1969");
+        let mut later = last;
+        later[3] = 12;
+        assert_eq!(dtl(later), None, "2262-04-12");
+    }
 }
