@@ -21,6 +21,25 @@ const IDENTIFICATION: [u8; 33] = [
     0x11, 0, 0,
 ];
 
+/// Writes AQW0.
+const WRITE_AQ: [u8; 37] = [
+    3, 0, 0, 37, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 6, 0, 14, 0, 6, 5, 1, 0x12, 10, 0x10, 4, 0, 1, 0, 0, 0x07, 0, 0, 0,
+    0, 4, 0, 16, 0x12, 0x34,
+];
+
+const STOP: [u8; 33] = [
+    3, 0, 0, 33, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 7, 0, 16, 0, 0, 0x29, 0, 0, 0, 0, 0, 9, b'P', b'_', b'P', b'R', b'O',
+    b'G', b'R', b'A', b'M',
+];
+
+/// The code of the only item that was written.
+fn code(answer: &[u8], expected: u8) -> Result<(), Failed> {
+    match answer.last() {
+        Some(code) if *code == expected => Ok(()),
+        _ => Err(format!("the write is answered with {answer:02X?}, not with {expected:02X}").into()),
+    }
+}
+
 /// Clients learn which CPU the program is for, not another one of its family. The name of the CPU by bytes and by bits; peripheral addresses
 /// are those of other CPUs.
 pub fn areas() -> Result<(), Failed> {
@@ -31,9 +50,10 @@ pub fn areas() -> Result<(), Failed> {
         "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD SM0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n",
     )?;
     process::plcc(&["build", "--quiet", "--services", "--cpu", "224XP"], &[&source], &out)?;
-    let plc = Plc::run(&out, &["--s7", &port.to_string()])?;
+    let plc = Plc::run(&out, &["--s7", &port.to_string(), "--access", "control", "--set", "AIW2=1234"])?;
     // Transport size, elements, area, address; then the item in the answer. `C` is 2#0100_0011.
-    let cases: [([u8; 4], &[u8]); 6] = [
+    let cases: [([u8; 4], &[u8]); 7] = [
+        ([4, 1, 0x06, 16], &[0xFF, 4, 0, 16, 0x04, 0xD2]),
         ([2, 9, 0x03, 0], b"\xFF\x04\0\x48CPU 224XP"),
         ([1, 1, 0x03, 0], &[0xFF, 3, 0, 1, 1]),
         ([1, 1, 0x03, 2], &[0xFF, 3, 0, 1, 0]),
@@ -52,6 +72,11 @@ pub fn areas() -> Result<(), Failed> {
     if !answer.windows(order.len()).any(|part| part == order) {
         return Err(format!("the identification is {answer:02X?}").into());
     }
+    // In STOP nobody writes analog outputs.
+    asks(port, &[CONNECT, SETUP, &WRITE_AQ]).and_then(|answer| code(&answer, 0xFF))?;
+    asks(port, &[CONNECT, SETUP, &STOP])?;
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    asks(port, &[CONNECT, SETUP, &WRITE_AQ]).and_then(|answer| code(&answer, 3))?;
     plc.end().map(drop)
 }
 

@@ -42,11 +42,14 @@ impl Access<'_> {
         }
     }
 
-    /// The place in PLC memory, if all of it exists.
+    /// The place in PLC memory, if all of it exists, with the values of this moment.
     fn inside(&self, place: Place) -> Result<u32, ItemError> {
         let (base, length) = self.range(place.area)?;
         match place.start.checked_add(place.count) {
-            Some(end) if end <= length => Ok(base + place.start),
+            Some(end) if end <= length => {
+                self.0.s7200_before_client(base + place.start, place.count);
+                Ok(base + place.start)
+            }
             Some(_) | None => Err(ItemError::OutOfRange),
         }
     }
@@ -67,9 +70,13 @@ impl Access<'_> {
         layout::SYSTEM + if area == Area::Timers { system::TIMER_VALUES } else { system::COUNTER_VALUES }
     }
 
+    /// The cells of a place, with the values of this moment.
     fn cell_numbers(&self, place: Place) -> Result<std::ops::Range<u32>, ItemError> {
         match place.start.checked_add(place.count) {
-            Some(end) if end <= self.cells(place.area) => Ok(place.start..end),
+            Some(end) if end <= self.cells(place.area) => {
+                self.0.s7200_before_client(Self::s7200_values(place.area) + 2 * place.start, 2 * place.count);
+                Ok(place.start..end)
+            }
             Some(_) | None => Err(ItemError::OutOfRange),
         }
     }
@@ -222,6 +229,8 @@ impl Plc for Access<'_> {
             Area::Timers | Area::Counters => return self.write_cells(place, data),
             Area::SystemInfo | Area::AnalogInputs => return Err(ItemError::NotAllowed),
             Area::Db(number) if self.0.is_read_only(number) => return Err(ItemError::NotAllowed),
+            // Outputs are disabled then.
+            Area::AnalogOutputs if self.0.is_stopped() => return Err(ItemError::NotAllowed),
             Area::Peripheral => {
                 if place.bit.is_some() {
                     return Err(ItemError::OutOfRange);
@@ -241,6 +250,7 @@ impl Plc for Access<'_> {
             Some(bit) => self.0.memory.set_bit(at, bit, data.first().is_some_and(|value| value & 1 != 0)),
             None => self.0.memory.load(at, data),
         }
+        self.0.s7200_after_client(at, place.count);
         if place.area == Area::Outputs {
             self.0.note_outputs(place.start + place.count);
         }

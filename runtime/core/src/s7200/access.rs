@@ -58,6 +58,27 @@ fn words(bytes: Range<u32>) -> impl Iterator<Item = u32> {
 }
 
 impl Cpu {
+    /// Before a client reads or writes bytes of memory: brings the analog inputs and timers among them up to date.
+    pub fn s7200_before_client(&self, address: u32, bytes: u32) {
+        if self.s7200().is_some() {
+            before(self, address, bytes);
+        }
+    }
+
+    /// After a client has written bytes of memory: analog outputs among them go to their modules, and special memory has its effects when the
+    /// scan ends.
+    pub fn s7200_after_client(&self, address: u32, bytes: u32) {
+        if self.s7200().is_none() {
+            return;
+        }
+        if let Some(part) = part(address, bytes, system::AQ, system::ANALOG_BYTES) {
+            self.s7200_analog_out(part.start, part.end - part.start);
+        }
+        if part(address, bytes, system::SM, system::SM_BYTES).is_some() {
+            self.s7200_look_always();
+        }
+    }
+
     /// Writes the words of the copy of analog outputs to which `bytes` bytes from `first_byte` on belong to their modules.
     pub(crate) fn s7200_analog_out(&self, first_byte: u32, bytes: u32) {
         let end = first_byte.saturating_add(bytes).min(system::ANALOG_BYTES);
