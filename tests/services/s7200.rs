@@ -96,3 +96,28 @@ pub fn browsing() -> Result<(), Failed> {
     let certificates = folder.path().join("opcua").display().to_string();
     crate::talk(plc, "asyncua_client.py", &["s7200", &port, &certificates])
 }
+
+/// Analog inputs are input registers, and analog outputs holding registers.
+pub fn registers() -> Result<(), Failed> {
+    let (folder, port) = (tempfile::tempdir()?, free_port());
+    std::fs::write(
+        folder.path().join("plc.toml"),
+        "cpu = \"224XP\"\n[services.registers]\ninput_registers = \"AIW0\"\nholding_registers = \"AQW0\"\n",
+    )?;
+    std::fs::write(
+        folder.path().join("main.awl"),
+        "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD SM0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n",
+    )?;
+    let out = folder.path().join("s7200");
+    process::plcc(&["build", "--quiet"], &[folder.path()], &out)?;
+    let plc = Plc::run(&out, &["--modbus", &port.to_string(), "--set", "AIW2=1234"])?;
+    process::write_register(&port.to_string(), 0x1234)?;
+    // Function, first register, and the answer from the function on.
+    for (function, first, expected) in [(4, 1, [4, 2, 0x04, 0xD2]), (3, 0, [3, 2, 0x12, 0x34])] {
+        let answer = asks(port, &[&[0, 1, 0, 0, 0, 6, 1, function, 0, first, 0, 1]])?;
+        if !answer.ends_with(&expected) {
+            return Err(format!("function {function} is answered with {answer:02X?}").into());
+        }
+    }
+    plc.end().map(drop)
+}

@@ -4,6 +4,7 @@ use plcc_abi::ProgramImage;
 use plcc_abi::image::Family;
 use plcc_abi::services::Registers;
 use plcc_runtime::address::{self, Width};
+use plcc_runtime::s7200::Part;
 use plcc_runtime::signal;
 
 use crate::s7::{Area, ItemError, Place, Plc};
@@ -68,10 +69,10 @@ impl Start {
             Area::BitMemory => format!("M{byte}.0"),
             Area::Db(_) if image.profile.family == Family::S7200 => format!("V{byte}.0"),
             Area::Db(number) => format!("DB{number}.DBX{byte}.0"),
+            Area::SpecialMemory => format!("SM{byte}.0"),
             Area::Peripheral
             | Area::Timers
             | Area::Counters
-            | Area::SpecialMemory
             | Area::AnalogInputs
             | Area::AnalogOutputs
             | Area::SystemInfo => return None,
@@ -90,11 +91,23 @@ impl Start {
             address::Place::BitMemory(byte) => (Area::BitMemory, byte),
             address::Place::PeripheralInput(byte) | address::Place::PeripheralOutput(byte) => (Area::Peripheral, byte),
             address::Place::Db(number, byte) => (Area::Db(number), byte),
+            address::Place::S7200(Part::AnalogInput, byte) => (Area::AnalogInputs, byte),
+            address::Place::S7200(Part::AnalogOutput, byte) => (Area::AnalogOutputs, byte),
+            address::Place::S7200(Part::SpecialMemory, byte) => (Area::SpecialMemory, byte),
+            address::Place::S7200(
+                Part::Relays
+                | Part::TimerBit
+                | Part::TimerValue
+                | Part::CounterBit
+                | Part::CounterValue
+                | Part::HighSpeedCounter
+                | Part::Accumulator,
+                _,
+            ) => return Err(format!("`{text}` is not in I, Q, M, SM, V, AI or AQ")),
             address::Place::Timer(_)
             | address::Place::Counter(_)
             | address::Place::TimerValue(_)
-            | address::Place::CounterValue(_)
-            | address::Place::S7200(..) => {
+            | address::Place::CounterValue(_) => {
                 return Err(format!("`{text}` is not in I, Q, M, V, a data block or the I/O"));
             }
         };
