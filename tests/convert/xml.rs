@@ -251,6 +251,7 @@ VAR
   shown { ExternalVisible := 'True' } : Real;
 END_VAR
 BEGIN
+  #limit := #shown;
 END_FUNCTION_BLOCK
 "#;
     let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());

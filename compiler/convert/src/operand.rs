@@ -175,6 +175,7 @@ pub(crate) fn typed(ty: Elementary, bits: u64) -> Option<Literal> {
         Elementary::Int => Literal::Int(i64::from(bits as u16 as i16)),
         Elementary::Dint => Literal::Dint(bits as u32 as i32),
         Elementary::Real => Literal::Real(f32::from_bits(bits as u32)),
+        Elementary::Lreal => Literal::Real(digits_of(f64::from_bits(bits))?),
         Elementary::S5Time => Literal::S5Time(bits as u16),
         Elementary::Time => Literal::Time(bits as u32 as i32),
         Elementary::Date => Literal::Date(bits as u16),
@@ -187,11 +188,16 @@ pub(crate) fn typed(ty: Elementary, bits: u64) -> Option<Literal> {
         | Elementary::Udint
         | Elementary::Lint
         | Elementary::Ulint
-        | Elementary::Lreal
         | Elementary::Ltime
         | Elementary::Ltod
         | Elementary::Ldt => return None,
     })
+}
+
+/// The REAL with the same digits as a LREAL: STL has no constants of that type, but an actual of one has all digits of the number.
+fn digits_of(value: f64) -> Option<f32> {
+    let single = value as f32;
+    (single.is_finite() && single.to_string().parse() == Ok(value)).then_some(single)
 }
 
 /// Letters of a block number, as in `DB`.

@@ -205,8 +205,10 @@ impl Maker<'_, '_, '_> {
             (OperandKind::Path(path), instance) => match (self.declared(path), &path.root) {
                 // A multi-instance, by the type of its declaration.
                 (Some(of), _) if instance.is_none() => (Some(of), Some(&call.target)),
-                // An instruction, by its name alone.
-                (None, PathRoot::Bare { name, .. }) if path.parts.is_empty() => (Some(name.clone()), instance.as_ref()),
+                // An instruction, by its name alone. Types that its actuals name have no place in the call.
+                (None, PathRoot::Bare { name, .. }) if path.parts.is_empty() && !names_types(call) => {
+                    (Some(name.clone()), instance.as_ref())
+                }
                 _ => (None, None),
             },
             _ => (None, None),
@@ -388,6 +390,12 @@ impl Maker<'_, '_, '_> {
         }
         Some((local, node))
     }
+}
+
+/// `CALL MOVE` with `value_type := Int` or `{value_type := Int}`.
+fn names_types(call: &Call) -> bool {
+    let is_type = |name: &str| name.to_ascii_lowercase().ends_with("_type");
+    !call.types.is_empty() || call.parameters.iter().any(|parameter| is_type(&parameter.name))
 }
 
 fn component(name: &str) -> Node {
