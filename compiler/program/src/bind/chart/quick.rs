@@ -2,7 +2,8 @@
 //!
 //! The set of active steps is one number, and leads by its bits to the code of each active step, in which the step is a constant. With one active
 //! step its transitions, and what each of them writes, follow at once. With several, each step in turn lets time pass, evaluates its
-//! transitions, and acts if none of them switches; a switch comes after that. So the order is not that of the phases. It is the same
+//! transitions, and acts if none of them switches, nor a join that leaves it; a switch comes after that. So the order is not that of the
+//! phases. It is the same
 //! as long as no step uses what the actions of another one write. Steps that do are rivals. Where rivals are active together, and
 //! where more transitions switch in one call than two usual ones, the rest of the call goes by the lists. Actions may run there once more, so they
 //! must only depend on what they do not change.
@@ -509,8 +510,25 @@ impl Assembly<'_, '_> {
             statements
         };
         let mut statements = self.pass(step, false);
-        statements.extend(self.transitions(step, &fire, Some(self.ordinary_actions(step))));
+        statements.extend(self.transitions(step, &fire, Some(self.actions_unless_joined(step))));
         statements
+    }
+
+    /// What a step does if it is not left. A join has been evaluated by the first of the steps that it leaves: the others ask whether it switches.
+    /// Steps of a join have no other transition.
+    fn actions_unless_joined(&self, step: usize) -> Vec<Statement> {
+        let engine = self.engine;
+        let actions = self.ordinary_actions(step);
+        let is_joined =
+            |from: &[usize]| from.len() > 1 && from.contains(&step) && from.iter().any(|other| *other < step);
+        let join = self.parts.from.iter().position(|from| is_joined(from));
+        let Some(at) = join.filter(|_| !actions.is_empty()) else { return actions };
+        // Its flags are of this call only if all its steps are active.
+        let set = set_of(&self.parts.from[at]);
+        let are_active = compared(CompareOp::Equal, self.active_of(set), set);
+        let switches = compared(CompareOp::Equal, load(&engine.flags(at), engine.span), 3);
+        let is_left = binary_expr(BinaryOp::And, are_active, switches, Elementary::Bool, engine.span);
+        vec![if_then(is_left, Vec::new(), actions, engine.span)]
     }
 
     /// The only transition that switches, with several active steps. The list of active steps is made later.
