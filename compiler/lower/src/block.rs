@@ -448,9 +448,16 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
         }
         self.stop_exit.finish(&mut self.b, &self.plan.function_returns(self.block));
         self.b.set_frame_bytes(layout::frame_bytes(self.frame_bytes));
-        let by_pointers = self.block.library || is_by_pointers(&self.block.body);
+        let by_pointers =
+            !has_pointers_in_instance(self.block) && (self.block.library || is_by_pointers(&self.block.body));
         plcc_ir::Function { by_pointers, ..self.b.finish() }
     }
+}
+
+/// True of a function block that gets pointers: they are in its instance, where nobody looks for pointers to local data of its caller.
+fn has_pointers_in_instance(block: &CodeBlock) -> bool {
+    let is_pointer = |passing: Passing| !matches!(passing, Passing::Elementary(_) | Passing::Number);
+    block.kind == BlockKind::Fb && block.interface.parameters.iter().any(|parameter| is_pointer(parameter.passing))
 }
 
 /// True of a block without statements in STL, which reach local data of the caller by any address.
