@@ -71,7 +71,8 @@ impl CallerReads {
         first
     }
 
-    fn of(function: &Function) -> CallerReads {
+    /// `by_pointers`: neither the function nor what it calls looks before what it was given.
+    fn of(function: &Function, by_pointers: bool) -> CallerReads {
         let parameters = function.layout.first().map_or(&[][..], |&block| &function.blocks[block].params);
         let mut reads = CallerReads {
             first: u32::MAX,
@@ -84,12 +85,12 @@ impl CallerReads {
             let data = &function.insts[inst];
             data.for_each_address(|addr| {
                 if addr.region == Region::V {
-                    reads.add(function, inst, addr);
+                    reads.add(function, by_pointers, inst, addr);
                 }
             });
             data.for_each_use(|value| {
                 if let Some(index) = parameter_index(function, value) {
-                    reads.upward[index] &= function.by_pointers
+                    reads.upward[index] &= by_pointers
                         || is_base_only(function, data, value)
                         || matches!(data, InstData::CallRuntime { function, args } if reads_upward(*function, args));
                 }
@@ -99,13 +100,13 @@ impl CallerReads {
     }
 
     /// Adds an access to the frame of the caller.
-    fn add(&mut self, function: &Function, inst: Inst, addr: &Address) {
+    fn add(&mut self, function: &Function, by_pointers: bool, inst: Inst, addr: &Address) {
         let data = &function.insts[inst];
         let is_dword = matches!(data, InstData::Load { .. }) && function.ty(function.result(inst)) == Type::I32;
         let base = addr.base.map(|base| function.resolve(base));
         let constant = base.map_or(Some(0), |base| function.constant(base));
         match (data, constant, base) {
-            (InstData::AddressOf { .. }, ..) if function.by_pointers && base.is_none() => self.follows_pointers = true,
+            (InstData::AddressOf { .. }, ..) if by_pointers && base.is_none() => self.follows_pointers = true,
             (InstData::Load { .. } | InstData::LoadBit { .. } | InstData::Store { .. }, Some(start), _) => {
                 let place = (start as u32).saturating_add(addr.offset);
                 self.first = self.first.min(place);
@@ -116,6 +117,28 @@ impl CallerReads {
                 None => self.first = 0,
             },
             _ => self.first = 0,
+        }
+    }
+}
+
+/// For each function whether it reaches local data of others only by what it was given, and whatever it calls as well: it may hand a pointer on.
+fn only_by_pointers(module: &Module) -> Vec<bool> {
+    let mut only: Vec<bool> = module.functions.values().map(|function| function.by_pointers).collect();
+    loop {
+        let mut changed = false;
+        for (at, function) in module.functions.values().enumerate() {
+            let mut insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
+            let calls_other = |inst: &Inst| match &function.insts[*inst] {
+                InstData::Call { callee, .. } => !only[callee.index()],
+                _ => false,
+            };
+            if only[at] && insts.any(calls_other) {
+                only[at] = false;
+                changed = true;
+            }
+        }
+        if !changed {
+            return only;
         }
     }
 }
@@ -198,9 +221,9 @@ pub fn is_base_only(function: &Function, data: &InstData, address: Value) -> boo
 impl Callees {
     pub fn new(module: &Module) -> Callees {
         let (mut touching, mut reads) = (EntityVec::new(), EntityVec::new());
-        for function in module.functions.values() {
+        for (function, by_pointers) in module.functions.values().zip(only_by_pointers(module)) {
             touching.push(touches_caller(function));
-            reads.push(CallerReads::of(function));
+            reads.push(CallerReads::of(function, by_pointers));
         }
         Callees { touching, reads }
     }
