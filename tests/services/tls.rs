@@ -87,7 +87,7 @@ pub fn broker() -> Result<(), Failed> {
         }
     }
     for (flags, expected) in [
-        (vec!["--mqtt-ca", &key], "there is no certificate in it"),
+        (vec!["--mqtt-ca", &key], "it contains no certificate"),
         (vec!["--mqtt-ca", "/no/such/file"], "--mqtt-ca: /no/such/file: "),
         (vec!["--mqtt-ca", &ca, "--mqtt-certificate", &certificate], "add --mqtt-key"),
         (vec!["--mqtt", "mqtt://127.0.0.1", "--mqtt-ca", &ca], "mqtts://"),

@@ -238,7 +238,7 @@ mod tests {
         assert_eq!((read("certificate.pem"), read("key.pem")), (certificate, key));
         fs::write(folder.join("key.pem"), "secret").unwrap();
         let message = start().unwrap_err();
-        assert!(message.contains("key.pem: there is no private key") && !message.contains("secret"), "{message}");
+        assert!(message.contains("key.pem: it contains no private key") && !message.contains("secret"), "{message}");
         fs::remove_file(folder.join("certificate.pem")).unwrap();
         assert!(start().unwrap_err().contains("certificate.pem"), "a key alone is not replaced");
         fs::remove_dir_all(&folder).unwrap();

@@ -164,7 +164,7 @@ mod tests {
             ("lvel", "`lvel` is not known here"),
             ("sqr(level)", "`sqr` is not a known function; did you mean `sqrt`?"),
             ("(level + 1", "ends too early: a `)` is missing"),
-            ("sqrt(1, 2)", "sqrt takes 1 arguments"),
+            ("sqrt(1, 2)", "sqrt takes 1 argument"),
             ("if(1)", "if takes 3 arguments"),
             ("clamp", "clamp takes 3 arguments"),
             ("level(3)", "`level` is not a known function"),
