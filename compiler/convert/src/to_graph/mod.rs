@@ -17,8 +17,8 @@ mod statements;
 
 pub(crate) use operand::constant;
 
-use plcc_diag::{Code, Diagnostic, Severity, Span};
-use plcc_syntax::ast::{self, AssertSide, Block, CodeBlock, Pragma, SourceUnit, Statement, StatementKind};
+use plcc_diag::{Diagnostic, Span};
+use plcc_syntax::ast::{self, Block, CodeBlock, SourceUnit};
 use plcc_syntax::front::Comment;
 use plcc_syntax::network::ast::{Body, Content, Graph, Language, Network, PinValue, Source};
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
@@ -63,7 +63,6 @@ pub fn block(
         match statements::graph(network, (block, &jumps), types, language, (span, false)) {
             Ok(drawn) => {
                 notes.extend(drawn.notes);
-                notes.extend(network.statements.iter().filter_map(of_register));
                 messages.extend(of_open_instance(&drawn.graph, language));
                 body.networks.push(made(network, language, drawn.labels, drawn.graph, span));
             }
@@ -74,21 +73,6 @@ pub fn block(
         return Err(messages);
     }
     Ok(CodeBlock { code: ast::Code::Graphic(body), ..block.clone() })
-}
-
-/// A warning of an assertion that checks a register, which only statements have.
-fn of_register(statement: &Statement) -> Option<Diagnostic> {
-    let StatementKind::Pragma(Pragma { assert: Some(assertion), .. }) = &statement.kind else { return None };
-    let mut sides = assertion.comparisons.iter().flat_map(|comparison| [&comparison.left, &comparison.right]);
-    let register = sides.find(|side| matches!(side.value, AssertSide::Register(_)))?;
-    let mut message = Diagnostic::new(
-        Code::NotConverted,
-        register.span,
-        "this assertion checks a register, which networks of LAD and FBD do not have",
-    );
-    message.severity = Severity::Warning;
-    let label = "`plcc test` refuses it in the new file";
-    Some(message.label(label).help("check an address or a variable that the network writes, or remove the assertion"))
 }
 
 /// The first address in the open instance data block, `DIW 0`, which pictures show and files of networks do not have.
