@@ -393,8 +393,10 @@ impl<'a> Finder<'a> {
         if !instances.is_empty() {
             return format!("`{root}` is a function block; its values are in its instances: {}", instances.join(", "));
         }
-        if let Some(block) = self.image.blocks.iter().find(|block| !block.name.is_empty() && same(&block.name, root))
-            && let Some(kind) = match block.kind {
+        let called = self.image.inner_blocks.iter().map(|(kind, _, name)| (*kind, name));
+        let mut blocks = self.image.blocks.iter().map(|block| (block.kind, &block.name)).chain(called);
+        if let Some((kind, _)) = blocks.find(|(_, name)| !name.is_empty() && same(name, root))
+            && let Some(kind) = match kind {
                 BlockKind::Ob => Some("an organization block"),
                 BlockKind::Fc => Some("a function"),
                 BlockKind::Fb => Some("a function block without an instance"),
