@@ -408,7 +408,6 @@ fn a_table_in_an_editor_is_part_of_the_program() {
     assert_eq!(lines(&mut editor, "main.awl", "R      Pu|mp"), places);
     let mut editor = Editor::new("plant");
     editor.open("symbols.sdf");
-    assert_eq!(lines(&mut editor, "symbols.sdf", "La|mp"), ["main.stl:37", "symbols.sdf:2"]);
     assert_eq!(
         lines(&mut editor, "symbols.sdf", "Mo|tor"),
         ["main.stl:3", "main.stl:33", "motor.scl:1", "symbols.sdf:3"]

@@ -106,6 +106,7 @@ impl Cpu {
         ended.iter().for_each(|done| self.s7200_end_request(done));
         // With the virtual clock a scan takes no host time, so a partner would never get to answer.
         if waits && let Ok(mut communication) = self.communication.try_borrow_mut() {
+            self.has_jobs.set(true);
             communication.note_waiting();
         }
     }

@@ -327,3 +327,17 @@ fn station_addresses() {
     assert_eq!((get_address(&cpu, &operands(2, 0)), set_address(&cpu, &operands(3, 2))), (0, 0), "no such port");
     assert_eq!(get_address(&super::super::freeport::tests::cpu(S7200Config::default()), &operands(0, 0)), gives(2));
 }
+
+/// Otherwise cycles in which only the program takes part would leave communication out.
+#[test]
+fn a_waiting_request_gets_host_time() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let master = master(Some(&listener.local_addr().unwrap().to_string()));
+    master.s7200_poll_network();
+    assert!(!master.has_jobs.get());
+    fill(&master, TABLE, 3, 0x0800_0064, 2);
+    assert_eq!(read(&master, &operands(TABLE, 0)), result::ENO);
+    master.s7200_poll_network();
+    assert!(master.has_jobs.get());
+    assert!(master.communication.borrow_mut().take_waiting());
+}
