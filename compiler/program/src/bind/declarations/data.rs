@@ -289,7 +289,9 @@ impl Declarations<'_> {
             let target = self
                 .walk(start, std::slice::from_ref(&first))
                 .and_then(|variable| self.walk(variable, &assignment.target.parts));
-            if let Some(target) = target {
+            if let Some(target) = target
+                && !self.refuses_one_value(&assignment.target, &assignment.value, &target.ty)
+            {
                 self.encode_initial(&assignment.value, &target.ty, &mut data, target.byte, target.bit);
             }
         }

@@ -48,9 +48,17 @@ impl Declarations<'_> {
                 }
                 Some(())
             }
-            // One value for an array is its first element.
             (InitialKind::List(values), DataType::Array(array)) => self.encode_list(values, array, image, byte),
-            (_, DataType::Array(array)) => self.encode_list(std::slice::from_ref(value), array, image, byte),
+            // One value for an array is its first element.
+            (_, DataType::Array(array)) => {
+                let first = byte as usize..(byte + layout::bytes(&leaf(array, 0).2)) as usize;
+                let before = image.get(first.clone()).map(<[u8]>::to_vec);
+                self.encode_list(std::slice::from_ref(value), array, image, byte)?;
+                if image.get(first) != before.as_deref() {
+                    self.value_of_first(value, ty);
+                }
+                Some(())
+            }
             (InitialKind::Fields(fields), DataType::Struct(structure)) => {
                 self.encode_fields(fields, structure, value.span, image, byte)
             }
@@ -456,16 +464,16 @@ fn parameter_bytes(literal: &Literal, parameter: ParameterType) -> Option<Vec<u8
     }
 }
 
-fn is_char(ty: &DataType) -> bool {
+pub(super) fn is_char(ty: &DataType) -> bool {
     *ty == DataType::Elementary(Elementary::Char)
 }
 
-fn is_text(value: &Expr) -> bool {
+pub(super) fn is_text(value: &Expr) -> bool {
     matches!(value.kind, ExprKind::Literal(plcc_syntax::scl::ast::Literal::Text { .. }))
 }
 
 /// `N(0)` with a constant N, which looks like a call.
-fn repetition(value: &Expr) -> Option<(Bound, Vec<InitialValue>)> {
+pub(super) fn repetition(value: &Expr) -> Option<(Bound, Vec<InitialValue>)> {
     let ExprKind::Call { callee, arguments } = &value.kind else { return None };
     let values = arguments
         .iter()
@@ -480,7 +488,7 @@ fn repetition(value: &Expr) -> Option<(Bound, Vec<InitialValue>)> {
 }
 
 /// Elements of a type, those of nested arrays counted through.
-fn leaves(ty: &DataType) -> u64 {
+pub(super) fn leaves(ty: &DataType) -> u64 {
     match ty {
         DataType::Array(array) => layout::element_count(&array.bounds).saturating_mul(leaves(&array.element)),
         _ => 1,

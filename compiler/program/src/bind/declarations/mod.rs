@@ -2,7 +2,8 @@
 //!
 //! Each is made when first needed, since declarations may be in any order.
 //!
-//! - [`types`] resolves data types ([`typed`]), [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values.
+//! - [`types`] resolves data types ([`typed`]), [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values,
+//!   of which `single_value` judges those of arrays.
 //! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks, [`block_constants`] its constants;
 //!   [`data`] makes the data blocks.
 //! - [`path`] turns names into places, [`element`] their indices; [`pointer`] has the bytes of pointers.
@@ -20,6 +21,7 @@ pub mod path;
 pub mod pointer;
 pub mod predefined;
 pub mod reference;
+mod single_value;
 pub mod start_inputs;
 pub mod symbols;
 pub mod typed;
