@@ -2,11 +2,15 @@
 //!
 //! Source: S7-200 system manual, specifying a constant value.
 
+use plcc_abi::s7200::timer_resolution;
 use plcc_literal::duration::{self, Fraction, Smallest};
 use plcc_literal::number::{self, Fault};
 
 use crate::ast::Width;
 use crate::literal::windows_1252;
+
+/// The longest time of a timer. Source: S7-200 system manual, timer instructions.
+const STEPS_MAX: i128 = 32767;
 
 /// Why a constant cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,8 +49,8 @@ pub fn real(text: &str) -> Result<f32, ConstantError> {
     }
 }
 
-/// `16#7FFF`, `2#1010`, `W#16#10`, `BYTE#3`.
-pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
+/// `16#7FFF`, `2#1010`, `W#16#10`, `BYTE#3`. `timer`: the number of the timer whose time it may be.
+pub fn based(text: &str, timer: Option<u8>) -> Result<(u32, Option<Width>), ConstantError> {
     let Some((prefix, rest)) = text.split_once('#') else {
         return Err(malformed("is not a constant", "write it as `16#7FFF`"));
     };
@@ -58,7 +62,7 @@ pub fn based(text: &str) -> Result<(u32, Option<Width>), ConstantError> {
         "W" | "WORD" | "INT" => Width::Word,
         "D" | "DW" | "DWORD" | "DINT" => Width::Dword,
         "T" | "TIME" | "S5T" | "S5TIME" => {
-            let help = steps(rest)
+            let help = steps(rest, timer)
                 .unwrap_or_else(|| "a timer counts steps of 1, 10 or 100 ms, as its number says".to_string());
             return Err(malformed("the S7-200 has no constants of time", help));
         }
@@ -163,8 +167,19 @@ pub fn is_symbol(inner: &str) -> bool {
 }
 
 /// How many steps of a timer a time such as `5s` is, as help.
-pub fn steps(text: &str) -> Option<String> {
+pub fn steps(text: &str, timer: Option<u8>) -> Option<String> {
     let time = duration::nanoseconds(text, Smallest::Nanosecond, Fraction::Anywhere).ok()?;
+    if let Some(number) = timer {
+        let step_ms = timer_resolution(number).milliseconds();
+        let step = i128::from(step_ms) * 1_000_000;
+        let (steps, rest) = (time / step, time % step);
+        let what = match (steps, rest) {
+            (0..=STEPS_MAX, 0) => format!("write `{steps}`"),
+            (0..STEPS_MAX, _) => format!("{text} are between {steps} and {} steps", steps + 1),
+            _ => format!("{text} are more than the {STEPS_MAX} steps that it has"),
+        };
+        return Some(format!("T{number} counts steps of {step_ms} ms: {what}"));
+    }
     let [one, ten, hundred] = [1, 10, 100].map(|ms| (time / (ms * 1_000_000)).to_string());
     Some(format!(
         "a timer counts steps of 1, 10 or 100 ms, as its number says: {text} are {one}, {ten} or {hundred} steps"
@@ -180,18 +195,29 @@ mod tests {
         assert_eq!(integer("1_000"), Ok(1000));
         assert_eq!(integer("4294967295"), Ok(4_294_967_295));
         assert!(integer("4294967296").unwrap_err().range);
-        assert_eq!(based("16#DEAD_BEEF"), Ok((0xDEAD_BEEF, None)));
-        assert_eq!(based("2#1010_0101"), Ok((0xA5, None)));
-        assert_eq!(based("B#16#FF"), Ok((0xFF, Some(Width::Byte))));
-        assert_eq!(based("byte#-1"), Ok((0xFF, Some(Width::Byte))));
-        assert_eq!(based("DW#-2147483648"), Ok((0x8000_0000, Some(Width::Dword))));
-        assert!(based("B#256").unwrap_err().range);
-        assert!(based("W#-32769").unwrap_err().range);
-        assert!(!based("2#2").unwrap_err().range);
-        assert!(!based("16#").unwrap_err().range);
-        assert!(!based("T#5s").unwrap_err().range);
+        assert_eq!(based("16#DEAD_BEEF", None), Ok((0xDEAD_BEEF, None)));
+        assert_eq!(based("2#1010_0101", None), Ok((0xA5, None)));
+        assert_eq!(based("B#16#FF", None), Ok((0xFF, Some(Width::Byte))));
+        assert_eq!(based("byte#-1", None), Ok((0xFF, Some(Width::Byte))));
+        assert_eq!(based("DW#-2147483648", None), Ok((0x8000_0000, Some(Width::Dword))));
+        assert!(based("B#256", None).unwrap_err().range);
+        assert!(based("W#-32769", None).unwrap_err().range);
+        assert!(!based("2#2", None).unwrap_err().range);
+        assert!(!based("16#", None).unwrap_err().range);
+        assert!(!based("T#5s", None).unwrap_err().range);
         assert_eq!(real("2.5E-3"), Ok(0.0025));
         assert!(real("1.0E39").unwrap_err().range);
+    }
+
+    #[test]
+    fn times_are_steps_of_their_timer() {
+        let help = |text, timer| steps(text, timer).unwrap();
+        assert_eq!(help("5s", Some(37)), "T37 counts steps of 100 ms: write `50`");
+        assert_eq!(help("5s", Some(32)), "T32 counts steps of 1 ms: write `5000`");
+        assert_eq!(help("250ms", Some(37)), "T37 counts steps of 100 ms: 250ms are between 2 and 3 steps");
+        assert_eq!(help("1h", Some(33)), "T33 counts steps of 10 ms: 1h are more than the 32767 steps that it has");
+        assert!(help("5s", None).ends_with("5s are 5000, 500 or 50 steps"));
+        assert_eq!(steps("5x", Some(37)), None);
     }
 
     #[test]

@@ -87,6 +87,17 @@ pub enum Resolution {
     Ms100,
 }
 
+impl Resolution {
+    /// Length of a step.
+    pub const fn milliseconds(self) -> u8 {
+        match self {
+            Resolution::Ms1 => 1,
+            Resolution::Ms10 => 10,
+            Resolution::Ms100 => 100,
+        }
+    }
+}
+
 /// Resolution of timer `number`. Source: S7-200 system manual, timer instructions.
 pub const fn timer_resolution(number: u8) -> Resolution {
     match number % 64 {

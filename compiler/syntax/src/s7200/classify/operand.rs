@@ -273,7 +273,7 @@ impl<'a> Classifier<'a, '_> {
                 self.constant(token, value, Tok::Real)
             }
             RawKind::Based => {
-                let value = constant::based(text);
+                let value = constant::based(text, self.timer_before());
                 self.constant(token, value, |(value, width)| Tok::Bits(value, width))
             }
             RawKind::BadNumber => {
@@ -288,7 +288,7 @@ impl<'a> Classifier<'a, '_> {
                     message.help(format!("write `16#{}`", digits.to_ascii_uppercase()))
                 } else if let Some(digits) = digits("0b", 2) {
                     message.help(format!("write `2#{digits}`"))
-                } else if let Some(help) = constant::steps(text) {
+                } else if let Some(help) = constant::steps(text, self.timer_before()) {
                     message.help(help)
                 } else if lower.ends_with("ms") || lower.ends_with('s') {
                     message.help(
@@ -344,6 +344,14 @@ impl<'a> Classifier<'a, '_> {
             RawKind::Stray => self.bad_character(token, text),
             RawKind::Newline | RawKind::Comment => Tok::Stray,
         }
+    }
+
+    /// The number of the timer whose value comes next: `TON T37,`.
+    fn timer_before(&self) -> Option<u8> {
+        let [.., (_, Tok::Direct(cell), _), (_, Tok::Comma, _)] = self.classified.tokens.as_slice() else {
+            return None;
+        };
+        u8::try_from(cell.number).ok().filter(|_| cell.area == Area::T)
     }
 
     fn constant<T>(
