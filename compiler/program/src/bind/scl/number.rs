@@ -1,6 +1,6 @@
 //! Functions of numbers and bits. Source: SCL reference, numbers, bits, rounding, conversions.
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::scl::ast::{Argument as Given, BinaryOp as NodeOp, Expr as Node};
 use plcc_syntax::{Class, Elementary};
 
@@ -322,6 +322,10 @@ impl SclBinder<'_, '_> {
             self.wrong_type(value.span(), &is, "a bit string or an integer", None);
             return None;
         }
+        // A constant without a type may still take the type of the target.
+        if let Some(count) = count.as_ref().filter(|_| suffix.is_some() || !Shape::of(&value).is_untyped()) {
+            self.check_shift(op, value.span(), ty, count);
+        }
         let left = self.convert(ctx, value, ty)?;
         let bits = numeric::bit_string(Rules::Tia1500, ty).filter(|bits| *bits != ty);
         let make = |left: Expr, count: Expr| {
@@ -337,6 +341,22 @@ impl SclBinder<'_, '_> {
             }
             _ => make(left, count?),
         })
+    }
+
+    /// Warns of a shift by a constant of at least the width: no bit keeps its value.
+    fn check_shift(&mut self, op: BinaryOp, value: Span, ty: Elementary, count: &Expr) {
+        let ExprKind::Const(number) = count.kind else { return };
+        let (number, width) = (constant::integer(count.ty, number), ty.bits());
+        if number < i128::from(width) || !matches!(op, BinaryOp::ShiftLeft | BinaryOp::ShiftRight) {
+            return;
+        }
+        let text = self.program.globals.text(value);
+        let title = format!("a shift by {number} moves all {width} bits of `{text}` out");
+        let mut message = Diagnostic::new(Code::ShiftCount, count.span, title)
+            .label(format!("{} has {width} bits", ty.name()))
+            .help(format!("write a number from 1 to {}", width - 1));
+        message.severity = Severity::Warning;
+        self.program.report(message);
     }
 
     /// Values converted to one type: that of the suffix, or the widest of their own.
