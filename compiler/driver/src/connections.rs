@@ -39,13 +39,15 @@ pub fn read(tables: &BTreeMap<Spanned<String>, ConnectionKeys>, file: FileId) ->
     if let Some((name, _)) = tables.get(CONNECTIONS_MAX) {
         reader.report(name, format!("more than {CONNECTIONS_MAX} connections"), "leave some out");
     }
-    let mut found: Vec<S7Connection> = Vec::new();
+    // Messages name them as they are written.
+    let mut found: Vec<(&str, S7Connection)> = Vec::new();
     for (name, keys) in tables.into_iter().take(CONNECTIONS_MAX) {
         let Some(connection) = reader.connection(name, keys) else { continue };
-        if found.iter().any(|other| other.id == connection.id) {
-            reader.report(name, format!("connection {} is there twice", connection.id), "give each its own ID");
+        let own = name.get_ref().as_str();
+        if let Some((first, _)) = found.iter().find(|(_, other)| other.id == connection.id) {
+            reader.report(name, format!("`{own}` is the connection `{first}` again"), "give each its own ID");
         }
-        let same = |other: &&S7Connection| {
+        let same = |(_, other): &&(&str, S7Connection)| {
             !other.active
                 && !connection.active
                 && other.local_tsap == connection.local_tsap
@@ -53,13 +55,13 @@ pub fn read(tables: &BTreeMap<Spanned<String>, ConnectionKeys>, file: FileId) ->
                     || other.remote_tsap.is_empty()
                     || connection.remote_tsap.is_empty())
         };
-        if let Some(other) = found.iter().find(same) {
-            let title = format!("connections {} and {} have the same TSAPs", other.id, connection.id);
+        if let Some((other, _)) = found.iter().find(same) {
+            let title = format!("connections {other} and {own} have the same TSAPs");
             reader.report(name, title, "partners that connect are told apart by their TSAPs");
         }
-        found.push(connection);
+        found.push((own, connection));
     }
-    (found, reader.diagnostics)
+    (found.into_iter().map(|(_, connection)| connection).collect(), reader.diagnostics)
 }
 
 /// `1`, `256` or `16#100`, as the parameter ID of the blocks.
@@ -217,7 +219,16 @@ mod tests {
             ("[connection.1]\npartner = \"a\"\nslot = 32\n", "32 is not a slot from 0 to 31"),
             (
                 "[connection.1]\npartner = \"a\"\n[connection.\"16#1\"]\npartner = \"b\"\n",
-                "connection 1 is there twice",
+                "`16#1` is the connection `1` again",
+            ),
+            (
+                "[connection.\"16#100\"]\npartner = \"a\"\n[connection.256]\npartner = \"b\"\n",
+                "`256` is the connection `16#100` again",
+            ),
+            (
+                "[connection.\"16#100\"]\npassive = true\nlocal_tsap = \"10.01\"\n\
+                 [connection.2]\npassive = true\nlocal_tsap = \"10.01\"\n",
+                "connections 16#100 and 2 have the same TSAPs",
             ),
             (
                 "[connection.1]\npassive = true\nlocal_tsap = \"10.01\"\n\

@@ -353,9 +353,12 @@ fn line(who: &str, door: &Door, text: &str) -> String {
     format!("{who} at {address}: {text}")
 }
 
-/// `connection 1: to 192.168.0.7:102`
+/// `connection 1: to 192.168.0.7:102`, `connection 256 (W#16#100): to 192.168.0.7:102`
 fn partner(connection: &S7Connection, has_port: bool) -> String {
-    let id = connection.id;
+    let id = match connection.id {
+        id @ 0..10 => id.to_string(),
+        id => format!("{id} (W#16#{id:X})"),
+    };
     match (connection.active, &connection.partner) {
         (true, partner) => format!("connection {id}: to {}", partner.as_deref().unwrap_or("its partner")),
         (false, _) if !has_port => format!("connection {id}: its partner cannot connect without an S7 port; add --s7"),
