@@ -1,4 +1,6 @@
-//! Values and targets of other languages: `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, and `1..:` in CASE.
+//! Values and targets of other languages: `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, `a[1]:P`, and `1..:` in CASE.
+
+use plcc_diag::{Code, Diagnostic};
 
 use super::{Repair, ends_operand};
 use crate::scl::keyword::Keyword;
@@ -11,6 +13,31 @@ impl Repair<'_> {
     /// A value that begins with a word, or has one between its operands.
     pub(super) fn foreign_value(&mut self, token: RawToken) -> bool {
         token.kind == RawKind::Word && (self.chosen_value(token) || self.if_of_c(token) || self.membership(token))
+    }
+
+    /// `"Panel".list[2]:P`: an element past the process image.
+    pub(super) fn element_past_image(&mut self) -> bool {
+        let at = self.at;
+        let after_index = self.last.is_some_and(|last| last.kind == RawKind::RightBracket);
+        let letter = self.token(at + 1).filter(|_| at > 0 && self.adjacent(at - 1) && self.adjacent(at));
+        let is_letter =
+            letter.is_some_and(|letter| letter.kind == RawKind::Word && self.slice(letter).eq_ignore_ascii_case("P"));
+        if !after_index || !is_letter || self.is_declared("P") {
+            return false;
+        }
+        let element = self.words(self.operand_start(at), at - 1);
+        let help = match element.starts_with('#') {
+            true => format!("only inputs and outputs have `:P`: write `{element}`"),
+            false => format!(
+                "only inputs and outputs have `:P`: declare a tag at the address of `{element}`, and write `\"tag\":P`"
+            ),
+        };
+        let title = "plcc does not read `:P` after an index";
+        let message = Diagnostic::new(Code::OperandKind, self.span(at, at + 2), title);
+        let message = message.label("an element past the process image").help(help);
+        self.messages.push(message);
+        self.drop_tokens(at, at + 2);
+        true
     }
 
     /// `a := IF c THEN 1 ELSE 2;`
