@@ -107,4 +107,27 @@ mod tests {
         assert!(messages.is_empty(), "{messages:?}");
         assert!(matches!(found.as_slice(), [Statement { kind: StatementKind::Pragma(_), .. }]), "{found:?}");
     }
+
+    #[test]
+    fn a_misspelt_word_of_structured_text_is_one_message() {
+        let rules = raw::Iec { nested_comments: true };
+        for text in [
+            "IF a THN b := 1; END_IF;",
+            "IF a THEN b := 1; ENDIF;",
+            "IF a ANDD b THEN c := 1; END_IF;",
+            "WHILE a < 5 DOO a := a + 1; END_WHILE;",
+        ] {
+            let (found, messages) = iec_statements(FileId::default(), text, 0..text.len(), rules);
+            assert!(messages.len() == 1 && messages[0].code == Code::MisspeltKeyword, "{text}: {messages:?}");
+            assert!(!found.is_empty(), "{text}");
+        }
+        // Variables may be called like words of other languages.
+        for text in ["Break", "NOT Next AND Default", "Thn > Doo"] {
+            let (_, messages) = iec_expression(FileId::default(), text, 0..text.len(), rules);
+            assert!(messages.is_empty(), "{text}: {messages:?}");
+        }
+        let text = "CASE a OF Default: IF Thn THEN Fi := 1; END_IF; Esac: ; END_CASE;";
+        let (_, messages) = iec_statements(FileId::default(), text, 0..text.len(), rules);
+        assert!(messages.is_empty(), "{messages:?}");
+    }
 }

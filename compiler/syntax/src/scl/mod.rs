@@ -72,7 +72,7 @@ fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -
         let word = text.get(slip.start as usize..slip.end as usize).unwrap_or_default();
         diagnostics.push(front::frame_words::misspelt(span, word, slip.keyword));
     }
-    let repaired = if raw.iec { None } else { repair::repair(file, text, raw, &mut diagnostics) };
+    let repaired = repair::repair(file, text, raw, &mut diagnostics);
     let raw = repaired.as_ref().unwrap_or(raw);
     region::check(file, raw, &mut diagnostics);
     let classified = classify::classify(file, text, raw, obey_pragmas);

@@ -59,7 +59,7 @@ pub fn repair(file: FileId, text: &str, raw: &RawText, diagnostics: &mut Vec<Dia
         }
     }
     tokens.extend_from_slice(&raw.tokens[at..]);
-    Some(RawText { tokens, comments: raw.comments.clone(), regions, slips: Vec::new(), iec: false })
+    Some(RawText { tokens, comments: raw.comments.clone(), regions, slips: Vec::new(), iec: raw.iec })
 }
 
 /// Tokens that others replace.
@@ -173,6 +173,13 @@ impl<'t> Repair<'t> {
                     }
                 }
                 Area::Declarations => self.declaration_token(token),
+                // Only what is wrong whatever is declared: the declarations are elsewhere.
+                Area::Statements if self.iec => {
+                    let inside = !self.open.is_empty();
+                    if !(inside && (self.repair_word(token) || self.repair_head(token))) {
+                        self.pass(token);
+                    }
+                }
                 Area::Statements => {
                     self.note_late_section(token);
                     if !(self.commented_divisor(token)

@@ -89,7 +89,7 @@ impl Repair<'_> {
             RawKind::Semicolon => return self.last_word(word),
             RawKind::Colon => {
                 let case = self.open.last().is_some_and(|open| open.keyword == Keyword::Case);
-                if case && alias(word) == Some(Keyword::Else) {
+                if case && !self.iec && alias(word) == Some(Keyword::Else) {
                     self.misspelt(at, at + 1, Keyword::Else);
                     self.edits.push(super::Edit {
                         first: at,
