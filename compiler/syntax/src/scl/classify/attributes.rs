@@ -3,29 +3,38 @@
 use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, unquoted};
+use crate::front;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 use crate::scl::token::Tok;
+
+/// A longer list is not looked through for its end.
+const LIST_MAX: usize = 400;
 
 impl Classifier<'_, '_> {
     /// `{ name := 'value'; name := 'value' }`.
     pub(super) fn attributes(&mut self) {
         let opening = self.raw[self.at];
         self.at += 1;
-        loop {
-            let Some(token) = self.peek() else { return self.unclosed_attributes(opening) };
-            match (token.kind, token.keyword) {
-                (RawKind::RightBrace, _) => {
+        let mut separated = true;
+        while let Some(token) = self.peek() {
+            match token.kind {
+                RawKind::RightBrace => {
                     self.at += 1;
                     return;
                 }
-                (RawKind::Semicolon | RawKind::Comma, _) => self.at += 1,
-                (_, Some(word))
-                    if word.ends_block() || word.begins_section() || word.ends_section() || word == Keyword::Begin =>
-                {
-                    return self.unclosed_attributes(opening);
+                RawKind::Semicolon | RawKind::Comma => {
+                    self.at += 1;
+                    separated = true;
                 }
-                (RawKind::Word | RawKind::Quoted, _) => self.attribute(token),
+                _ if !self.attributes_end() => break,
+                RawKind::Word | RawKind::Quoted => {
+                    if !separated && self.is_attribute_name(token) {
+                        self.no_separator(token);
+                    }
+                    self.attribute(token);
+                    separated = false;
+                }
                 _ => {
                     self.report(
                         Diagnostic::new(
@@ -37,9 +46,63 @@ impl Classifier<'_, '_> {
                         .help("write attributes as `{ name := 'value'; name := 'value' }`"),
                     );
                     self.skip_attribute();
+                    separated = false;
                 }
             }
         }
+        self.unclosed_attributes(opening);
+    }
+
+    /// Reports a list without its end, and goes past its attributes. A text without its quote may have taken the end.
+    fn unclosed_attributes(&mut self, opening: RawToken) {
+        let mut open_text = None;
+        while let Some(token) = self.peek() {
+            let next = token.first_on_line && !self.is_attribute_name(token);
+            if next || is_outside(token) {
+                break;
+            }
+            if token.kind == RawKind::UnterminatedText {
+                open_text = Some(token);
+            }
+            self.at += 1;
+        }
+        self.report(match open_text {
+            Some(text) => front::unterminated_text(self.span(text)),
+            None => Diagnostic::new(Code::DeclarationSyntax, self.span(opening), "the attribute list is not closed")
+                .label("begins here")
+                .help("close it with `}`"),
+        });
+    }
+
+    /// Whether a `}` follows before anything that no list of attributes contains.
+    fn attributes_end(&self) -> bool {
+        for token in self.raw[self.at..].iter().take(LIST_MAX) {
+            if token.kind == RawKind::RightBrace {
+                return true;
+            }
+            if is_outside(*token) {
+                return false;
+            }
+        }
+        self.raw.len() - self.at >= LIST_MAX
+    }
+
+    /// Whether the current token, `token`, is followed by `:=`.
+    fn is_attribute_name(&self, token: RawToken) -> bool {
+        matches!(token.kind, RawKind::Word | RawKind::Quoted) && self.kind_at(self.at + 1) == Some(RawKind::Assign)
+    }
+
+    fn no_separator(&mut self, name: RawToken) {
+        let key = self.slice(name);
+        self.report(
+            Diagnostic::new(
+                Code::DeclarationSyntax,
+                self.span(name),
+                format!("`;` is missing before the attribute `{}`", unquoted(key)),
+            )
+            .label("the next attribute")
+            .help(format!("write `; {key}`")),
+        );
     }
 
     /// `name := value`; the value may be a text, a word, a number, or several tokens.
@@ -60,7 +123,7 @@ impl Classifier<'_, '_> {
         }
         self.at += 1;
         let first = self.at;
-        self.skip_attribute();
+        self.skip_value();
         let end = self.last_end();
         let value = match self.raw.get(first) {
             Some(value) if self.at > first => self.text[value.start as usize..end].trim_matches(['\'', '"']),
@@ -76,24 +139,34 @@ impl Classifier<'_, '_> {
         self.push(name.start as usize, Tok::Attribute(key, value), end);
     }
 
+    /// Goes to the end of an attribute.
     fn skip_attribute(&mut self) {
-        while let Some(token) = self.peek() {
-            let ends =
-                token.keyword.is_some_and(|word| word.ends_block() || word.begins_section() || word.ends_section());
-            if ends || matches!(token.kind, RawKind::Semicolon | RawKind::Comma | RawKind::RightBrace) {
+        while self.peek().is_some_and(|token| !ends_attribute(token)) {
+            self.at += 1;
+        }
+    }
+
+    /// Goes to the end of a value: the next line and the next `name :=` are not part of it.
+    fn skip_value(&mut self) {
+        let first = self.at;
+        while let Some(token) = self.peek().filter(|token| !ends_attribute(*token)) {
+            if self.at > first && (token.first_on_line || self.is_attribute_name(token)) {
                 return;
             }
             self.at += 1;
         }
     }
+}
 
-    fn unclosed_attributes(&mut self, opening: RawToken) {
-        self.report(
-            Diagnostic::new(Code::DeclarationSyntax, self.span(opening), "the attribute list is not closed")
-                .label("begins here")
-                .help("close it with `}`"),
-        );
-    }
+fn ends_attribute(token: RawToken) -> bool {
+    is_outside(token) || matches!(token.kind, RawKind::Semicolon | RawKind::Comma | RawKind::RightBrace)
+}
+
+/// Nothing that a list of attributes can contain.
+fn is_outside(token: RawToken) -> bool {
+    let ends =
+        |word: Keyword| word.ends_block() || word.begins_section() || word.ends_section() || word == Keyword::Begin;
+    matches!(token.kind, RawKind::LeftBrace | RawKind::Colon) || token.keyword.is_some_and(ends)
 }
 
 /// The attribute with an effect that `key` is a slip of. Many others are known to the tools of Siemens only.

@@ -463,6 +463,9 @@ impl<'a> Classifier<'a, '_> {
                         self.take(Tok::AttributeEnd);
                     }
                 }
+                // `name { attribute := 'value' : INT;`, and the next line of the header.
+                RawKind::Colon | RawKind::Title => break,
+                RawKind::Word if !value && self.kind_at(self.at + 1) == Some(RawKind::Colon) => break,
                 RawKind::Assign => self.take(Tok::Assign),
                 RawKind::Equal => {
                     self.equal_for_assign();
@@ -495,6 +498,9 @@ impl<'a> Classifier<'a, '_> {
                 .label("begins here")
                 .help("close it with `}`"),
         );
+        if matches!(self.last(), Some(Tok::AttributeEnd)) {
+            self.out.pop();
+        }
         let end = self.last_end();
         self.push(end, Tok::RightBrace, end);
     }
