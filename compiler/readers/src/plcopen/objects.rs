@@ -1,6 +1,6 @@
 //! The objects of an LD or FBD body as they are in the file.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Span};
@@ -45,6 +45,11 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Whether an object of this kind means nothing, or something else, without its line.
+    fn needs_line(self) -> bool {
+        matches!(self, Kind::Contact | Kind::Coil | Kind::Jump | Kind::Return | Kind::Condition)
+    }
+
     /// Whether each object of this kind does something when its turn comes.
     fn runs(self) -> bool {
         matches!(
@@ -100,6 +105,8 @@ pub struct Connection {
     pub modifiers: Modifiers,
     /// Where the signal comes from: objects, and the pins of blocks. Empty for outputs.
     pub from: Vec<(usize, String)>,
+    /// Its lines come from no object of the network, which was reported as an error.
+    pub lost: bool,
     /// An expression instead of lines.
     pub text: Option<Range<usize>>,
     pub in_out: bool,
@@ -109,7 +116,7 @@ pub struct Connection {
 impl Connection {
     /// Whether nothing is connected to it.
     pub fn is_open(&self) -> bool {
-        self.from.is_empty() && self.text.is_none()
+        self.from.is_empty() && self.text.is_none() && !self.lost
     }
 }
 
@@ -211,10 +218,11 @@ impl Reader<'_> {
             }
             nodes.push((kind, node));
         }
-        nodes.into_iter().map(|(kind, node)| self.object(kind, node, &ids)).collect()
+        let unread = unread(body, &nodes);
+        nodes.into_iter().map(|(kind, node)| self.object(kind, node, &ids, unread)).collect()
     }
 
-    fn object(&mut self, kind: Kind, node: Node, ids: &HashMap<&str, usize>) -> Object {
+    fn object(&mut self, kind: Kind, node: Node, ids: &HashMap<&str, usize>, unread: Option<&str>) -> Object {
         let text = ["variable", "expression"]
             .iter()
             .find_map(|name| child(node, name).filter(|_| kind != Kind::Block))
@@ -259,37 +267,79 @@ impl Reader<'_> {
                     }
                 };
                 for pin in elements(list).filter(|pin| pin.tag_name().name() == "variable") {
-                    let connection = self.connection(pin, ids, in_out);
+                    let connection = self.connection(pin, ids, in_out, None);
                     if output { &mut object.outputs } else { &mut object.inputs }.push(connection);
                 }
             }
         } else if child(node, "connectionPointIn").is_some() || kind == Kind::Condition {
-            let connection = self.connection(node, ids, false);
+            let connection = self.connection(node, ids, false, kind.needs_line().then_some(unread));
             // The error is in the object, not in its line.
             object.inputs.push(Connection { formal: String::new(), modifiers: Modifiers::NONE, ..connection });
         }
         object
     }
 
-    fn connection(&mut self, node: Node, ids: &HashMap<&str, usize>, in_out: bool) -> Connection {
+    /// `needed`: without a line the object is wrong; the object from which the line may come.
+    fn connection(
+        &mut self,
+        node: Node,
+        ids: &HashMap<&str, usize>,
+        in_out: bool,
+        needed: Option<Option<&str>>,
+    ) -> Connection {
         let span = self.place(node, "formalParameter");
-        let mut from = Vec::new();
+        let (mut from, mut missing) = (Vec::new(), Vec::new());
         for line in lines(node) {
             let Some(id) = line.attribute("refLocalId") else { continue };
             match ids.get(id.trim()) {
                 Some(at) => from.push((*at, line.attribute("formalParameter").unwrap_or("").trim().to_string())),
-                None => {
-                    // Editors drop these lines when they open the project.
-                    let text = format!("a line comes from object {id}, which is not in the network");
-                    let message = Diagnostic::new(Code::Tolerated, self.place(line, "refLocalId"), text);
-                    let help = "connect the pin again in the editor if something is missing";
-                    self.messages.push(message.label("the line is left out").help(help));
-                }
+                None => missing.push((line, id)),
             }
         }
+        let meant = needed.filter(|_| from.is_empty() && !missing.is_empty());
+        let own = node.attribute("localId").map(str::trim);
+        let other = meant.flatten().filter(|id| Some(*id) != own);
+        for (line, id) in missing {
+            let place = self.place(line, "refLocalId");
+            let text = format!("a line comes from object {id}, which is not in the network");
+            self.messages.push(match meant {
+                Some(_) => {
+                    Diagnostic::new(Code::NoSource, place, text).label("nothing else leads here").help(match other {
+                        Some(other) => format!("is `{other}` meant, from which no line comes?"),
+                        None => format!("write the `localId` of the object before it: the network has {}", listed(ids)),
+                    })
+                }
+                // Editors drop these lines when they open the project.
+                None => Diagnostic::new(Code::Tolerated, place, text)
+                    .label("the line is left out")
+                    .help("connect the pin again in the editor if something is missing"),
+            });
+        }
+        from.extend(other.and_then(|id| ids.get(id)).map(|at| (*at, String::new())));
+        let lost = meant.is_some() && from.is_empty();
         let formal = node.attribute("formalParameter").unwrap_or("").trim().to_string();
         let points = elements(node).filter(|point| point.tag_name().name() == "connectionPointIn");
         let text = points.filter_map(|point| child(point, "expression")).find_map(|text| self.text_range(text));
-        Connection { formal, modifiers: modifiers(node), from, text, in_out, span }
+        Connection { formal, modifiers: modifiers(node), from, lost, text, in_out, span }
     }
+}
+
+/// The `localId` of the only contact or variable from which no line comes: a line from nowhere comes from there.
+fn unread<'a, 'i>(body: Node<'a, 'i>, nodes: &[(Kind, Node<'a, 'i>)]) -> Option<&'a str> {
+    let read = body.descendants().filter_map(|node| node.attribute("refLocalId"));
+    let read: HashSet<&str> = read.map(str::trim).collect();
+    let feeds = |kind: Kind| matches!(kind, Kind::Contact | Kind::InVariable | Kind::Continuation);
+    let ids = nodes.iter().filter(|(kind, _)| feeds(*kind)).filter_map(|(_, node)| node.attribute("localId"));
+    let mut ids = ids.map(str::trim).filter(|id| !read.contains(id));
+    ids.next().filter(|_| ids.next().is_none())
+}
+
+/// The numbers of the objects of a network, the first of many.
+fn listed(ids: &HashMap<&str, usize>) -> String {
+    const SHOWN_MAX: usize = 12;
+    let mut ids: Vec<(Option<u64>, &str)> = ids.keys().map(|id| (id.parse().ok(), *id)).collect();
+    ids.sort_unstable();
+    let more = if ids.len() > SHOWN_MAX { " …" } else { "" };
+    let shown: Vec<&str> = ids.iter().take(SHOWN_MAX).map(|(_, id)| *id).collect();
+    format!("{}{more}", shown.join(", "))
 }

@@ -67,6 +67,10 @@ fn lines_from_objects_that_are_gone_are_left_out() {
     let found = told("", body, "");
     let title = "a line comes from object 1, which is not in the network";
     assert_eq!(found, [(Code::Tolerated, Severity::Warning, title.to_string())]);
+    // A coil is wrong without its line.
+    let coil = "<LD><leftPowerRail localId=\"7\"/><coil localId=\"2\"><connectionPointIn><connection refLocalId=\"1\"/>\
+                </connectionPointIn><variable>b</variable></coil></LD>";
+    assert_eq!(told("", coil, ""), [(Code::NoSource, Severity::Error, title.to_string())]);
 }
 
 #[test]

@@ -15,7 +15,8 @@ impl Build<'_, '_, '_> {
     /// The value of an input, with an edge before it if it has one.
     pub(super) fn input(&mut self, input: Option<&Connection>, span: Span) -> PinValue {
         let Some(input) = input.filter(|input| !input.is_open()) else { return PinValue::Open };
-        let origins = self.sources(input);
+        // What it is connected to is not known: the rail stands for it, so that there is no second message.
+        let origins = if input.lost { vec![Origin::Rail] } else { self.sources(input) };
         let value = match origins.as_slice() {
             [] => PinValue::Open,
             [Origin::Operand(value, negated)] if !*negated && (input.in_out || input.modifiers.edge == Edge::None) => {
