@@ -221,7 +221,11 @@ fn report_mixture(
     .help(if options.mnemonics.is_some() {
         format!("the {set} set was requested; without `--mnemonics` plcc finds the set itself")
     } else {
-        format!("write the whole file with {set} mnemonics, operands too")
+        let upper = mnemonics::Upper::new(word);
+        match mnemonics::instruction(upper.as_str(), mnemonics::other(detected.set)) {
+            Some(insn) => format!("write `{}`: the file has {set} mnemonics", insn.mnemonic(detected.set)),
+            None => format!("write the whole file with {set} mnemonics, operands too"),
+        }
     });
     if let Some(own) = own {
         diagnostic = diagnostic.also(span(own), format!("{set} mnemonic"));
