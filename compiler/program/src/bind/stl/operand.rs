@@ -13,6 +13,7 @@ use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::{OFFSET_MAX, Settled, holds_pointer};
 use plcc_binding::value;
 use plcc_model::layout;
+use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Number, Operand, Place};
 
 /// What an instruction needs, as half a sentence.
@@ -128,6 +129,7 @@ impl StlBinder<'_, '_> {
     fn unfit<T>(&mut self, class: OperandClass, mnemonic: Span, span: Span, settled: &Settled) -> Option<T> {
         let (does, help) = wanted(class);
         let (name, text) = (self.program.globals.text(mnemonic), self.program.globals.text(span));
+        let help = self.own_help(class, &text, span, settled).unwrap_or_else(|| help.to_string());
         let (code, is) = match settled {
             // The declared type does not fit; the address alone would be fine.
             Settled::Memory { ty: Some(ty), .. } => (Code::WidthMismatch, format!("is of type {}", ty.name())),
@@ -158,6 +160,38 @@ impl StlBinder<'_, '_> {
                 .help(help),
         );
         None
+    }
+
+    /// What to write for an operand that another instruction takes, or of which an instruction takes a part.
+    fn own_help(&self, class: OperandClass, text: &str, span: Span, settled: &Settled) -> Option<String> {
+        let unit = self.program.globals.input.units.iter().find(|(file, _)| *file == span.file);
+        let set = unit.map(|(_, unit)| unit.mnemonics).unwrap_or_default();
+        let is_value = matches!(class, OperandClass::LoadSource | OperandClass::TransferTarget);
+        let writes_bit =
+            matches!(class, OperandClass::BitWrite | OperandClass::BitWriteOrCounter | OperandClass::BitWriteOrCell);
+        match settled {
+            Settled::Memory { width: Width::Bit, .. } => match class {
+                OperandClass::LoadSource => {
+                    Some(format!("write `{} {text}` to read the bit", StlInsn::And.mnemonic(set)))
+                }
+                OperandClass::TransferTarget => Some(format!("write `= {text}`, which writes the RLO to the bit")),
+                _ => None,
+            },
+            Settled::Memory { .. } if writes_bit => {
+                Some(format!("name a bit; for the value in ACCU1 write `T {text}`"))
+            }
+            Settled::Memory { .. } if matches!(class, OperandClass::Bit | OperandClass::BitOrNone) => {
+                Some(format!("name a bit; for the value write `L {text}`, and compare it with another one"))
+            }
+            Settled::Complex { ty: DataType::Array(array), .. } if is_value => {
+                let first: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
+                Some(format!("name an element, as in `{text}[{}]`", first.join(", ")))
+            }
+            Settled::Complex { ty: DataType::Struct(structure), .. } if is_value => {
+                structure.members.first().map(|first| format!("name a component, as in `{text}.{}`", first.name))
+            }
+            _ => None,
+        }
     }
 
     fn check_class(
