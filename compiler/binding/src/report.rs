@@ -111,6 +111,15 @@ impl Report {
 
     /// `meant`: a name that resembles it.
     pub fn missing_symbol(&mut self, name: &str, span: Span, meant: Option<String>) {
+        const BLOCKS: [&str; 8] = ["OB", "FB", "FC", "SFB", "SFC", "DB", "DI", "UDT"];
+        let is_whole = span.end - span.start == name.len() as u32;
+        if is_whole && BLOCKS.iter().any(|letters| letters.eq_ignore_ascii_case(name)) {
+            return self.push(
+                Diagnostic::new(Code::MissingOperand, span, format!("`{name}` has no number"))
+                    .label("a number is missing after this")
+                    .help(format!("write the number of the block, as in `{name} 5`")),
+            );
+        }
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
