@@ -167,12 +167,13 @@ impl Recovery {
             (Recovery::Statement | Recovery::Condition | Recovery::Argument, Tok::Literal(_), Tok::Literal(_))
                 if is_digits(&text(before)) && is_digits(&text(at)) && at.0 == before.2 + 1 =>
             {
+                let number = state.text.get(before.0..).map(with_blanks).unwrap_or_default();
                 told(
                     before.0,
-                    at.2,
+                    before.0 + number.len(),
                     "a number has no blanks".to_owned(),
-                    "two numbers",
-                    format!("write `{}{}`", text(before), text(at)),
+                    "blanks inside",
+                    format!("write `{}`", number.replace(' ', "")),
                 )
             }
             // `1.`
@@ -319,6 +320,15 @@ const CASE_VALUES_MAX: usize = 40;
 const ASSIGNMENT_MAX: usize = 20;
 
 /// Whether the text is a decimal number without a point.
+/// The groups of digits at the beginning of a text: `1 000 000`.
+fn with_blanks(text: &str) -> &str {
+    let end = text.char_indices().find(|&(at, c)| {
+        let goes_on = c == ' ' && text[at + 1..].starts_with(|next: char| next.is_ascii_digit());
+        !c.is_ascii_digit() && !goes_on
+    });
+    &text[..end.map_or(text.len(), |(at, _)| at)]
+}
+
 fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit())
 }

@@ -65,6 +65,14 @@ impl Repair<'_> {
                 self.replace(at, at + 1, RawKind::Assign, None);
                 true
             }
+            RawKind::DotDot if for_head && assigned && !to && outside => {
+                let range = self.words(self.statement_head(), at - 1).to_owned();
+                let last = self.token(at + 1).map_or("…", |token| self.slice(token));
+                let help = format!("write `FOR {range} TO {last} DO`");
+                self.report(at, at + 1, "FOR counts with TO".to_owned(), "read as `TO`", help);
+                self.replace(at, at + 1, RawKind::Word, Some(Keyword::To));
+                true
+            }
             // Without THEN, a statement follows.
             RawKind::Assign
                 if !for_head

@@ -20,7 +20,7 @@ impl Repair<'_> {
     pub(super) fn repair_sign(&mut self, token: RawToken) -> bool {
         match token.kind {
             RawKind::Number | RawKind::Real => self.repair_number(token),
-            RawKind::Semicolon => self.arguments_with_semicolon(),
+            RawKind::Semicolon => self.arguments_with_semicolon() || self.value_of_case_with_semicolon(),
             RawKind::Colon => self.split_assignment() || self.element_past_image(),
             RawKind::Stray => self.stray_sign(token) || self.curved_quotes(token),
             RawKind::Assign => self.value_with_sign(),
@@ -40,11 +40,37 @@ impl Repair<'_> {
             RawKind::LeftBracket => self.list_of_values(),
             RawKind::LeftBrace => self.index_in_braces(),
             kind if is_comparison(kind) && (self.half_comparison(token) || self.compared_case(token)) => true,
-            RawKind::Equal if self.value_with_sign() || self.exchanged_assignment() || self.equal_in_data() => true,
+            RawKind::Equal
+                if self.value_with_sign()
+                    || self.exchanged_assignment()
+                    || self.equal_in_data()
+                    || self.comparison_for_assignment() =>
+            {
+                true
+            }
             RawKind::Less | RawKind::Greater if self.shift(token) || self.back_arrow(token) => true,
             RawKind::Equal | RawKind::Greater | RawKind::Ampersand => self.pair(token),
             _ => false,
         }
+    }
+
+    /// `a == 5;` as a statement.
+    fn comparison_for_assignment(&mut self) -> bool {
+        let at = self.at;
+        let twice = self.kind(at + 1) == Some(RawKind::Equal) && self.adjacent(at);
+        let target = self.head.is_none()
+            && self.brackets.is_empty()
+            && self.statement < at
+            && self.last.is_some_and(|last| ends_operand(last) && last.kind != RawKind::RightParen)
+            && self.operand_start(at) == self.statement;
+        if !twice || !target {
+            return false;
+        }
+        let (left, right) = self.sides(at, at + 2);
+        let help = format!("write `{left} := {right}`");
+        self.report(at, at + 2, "a value is assigned with `:=`".to_owned(), "read as `:=`", help);
+        self.replace(at, at + 2, RawKind::Assign, None);
+        true
     }
 
     fn pair(&mut self, token: RawToken) -> bool {

@@ -40,6 +40,24 @@ impl Repair<'_> {
         true
     }
 
+    /// `2; a := 1;` for `2: a := 1;` in CASE.
+    pub(super) fn value_of_case_with_semicolon(&mut self) -> bool {
+        let at = self.at;
+        let inside = self.open.last().is_some_and(|open| open.keyword == Keyword::Case) && self.head.is_none();
+        let first = self.statement;
+        if !inside
+            || !self.brackets.is_empty()
+            || at != first + 1
+            || !matches!(self.kind(first), Some(RawKind::Number | RawKind::Literal))
+        {
+            return false;
+        }
+        let help = format!("write `{}:`", self.words(first, first));
+        self.report(at, at + 1, "a value of CASE ends with `:`".to_owned(), "read as `:`", help);
+        self.replace(at, at + 1, RawKind::Colon, None);
+        true
+    }
+
     /// `a := IF c THEN 1 ELSE 2;`
     fn chosen_value(&mut self, token: RawToken) -> bool {
         const LOOK_MAX: usize = 200;
