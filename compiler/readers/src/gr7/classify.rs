@@ -16,7 +16,7 @@ mod row;
 
 use plcc_diag::{Code, Diagnostic, FileId};
 
-pub use keyword::{Keyword, at as keyword_at, misspelt};
+pub use keyword::{Keyword, at as keyword_at, join_words, misspelt};
 
 use super::lexer::{RawKind, RawToken};
 use super::pragma::{self, Tag};
@@ -151,6 +151,15 @@ impl<'a> Classifier<'a, '_> {
                 _ if self.is_misspelt_condition(token) => {
                     self.report(frame_words::misspelt(self.span(token), self.slice(token), Keyword::Condition.word()));
                     self.condition();
+                }
+                _ if self.is_word(self.at, "JUMP")
+                    && self.raw.get(self.at + 1).is_some_and(|next| is_name(next.kind)) =>
+                {
+                    let step = self.slice(self.raw[self.at + 1]);
+                    let help = format!("write `TO {step} (*$_JUMP*)`");
+                    self.foreign(token, "a transition leads to a step with `TO`", &help);
+                    self.steps(Tok::To);
+                    self.push_here(Tok::Jump);
                 }
                 _ => self.outside_of_clauses(token),
             }

@@ -41,7 +41,8 @@ pub(crate) use outline::{beside_other_blocks, has_chart};
 /// Parses a source. Never fails: the messages say what is wrong, in the order of the text.
 pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
-    let raw = lexer::scan(text);
+    let mut raw = lexer::scan(text);
+    classify::join_words(text, &mut raw.tokens);
     report_comments(file, &raw, &mut diagnostics);
     for (index, token) in raw.tokens.iter().enumerate() {
         // The parser of declarations reports their sections.

@@ -81,6 +81,28 @@ impl Keyword {
     }
 }
 
+/// Makes one word of `INITIAL STEP` and `END STEP` at the beginning of a line: a misspelt keyword.
+pub fn join_words(text: &str, raw: &mut Vec<RawToken>) {
+    let mut joined: Vec<RawToken> = Vec::with_capacity(raw.len());
+    for token in raw.drain(..) {
+        let first = joined.last_mut().filter(|first| {
+            let beside = first.first_on_line && !token.first_on_line && token.kind == RawKind::Word;
+            beside && are_one(&text[first.range()], &text[token.range()])
+        });
+        match first {
+            Some(first) => first.end = token.end,
+            None => joined.push(token),
+        }
+    }
+    *raw = joined;
+}
+
+/// Whether two words are a keyword without its `_`.
+fn are_one(first: &str, second: &str) -> bool {
+    let initial = first.eq_ignore_ascii_case("INITIAL") && second.eq_ignore_ascii_case("STEP");
+    initial || first.eq_ignore_ascii_case("END") && Keyword::of(&format!("END_{second}")).is_some()
+}
+
 /// The keyword that a word is meant as: `ENDSTEP`, `TRANSITON`. Only where no operand can be: alone on its line, or before
 /// a name with its number or a colon.
 pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {

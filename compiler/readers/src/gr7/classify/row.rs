@@ -191,10 +191,14 @@ impl<'a> Classifier<'a, '_> {
                     .help(qualifier::help(text)),
             );
         } else if alone {
+            let rest = self.raw.get(end).filter(|next| !next.first_on_line);
+            let rest = rest.and_then(|next| self.text[next.start as usize..].lines().next());
+            let operand = rest.map_or("Q4.0", |rest| rest.trim().trim_end_matches(';'));
+            let help = format!("write its operand before it: `{operand} ({})`", text.trim());
             self.report(
                 Diagnostic::new(Code::ActionText, self.span(first).to(self.span(last)), "the action has no operand")
                     .label("there is only a qualifier here")
-                    .help("write its operand before it, e.g. `Q4.0 (N)`"),
+                    .help(help),
             );
         }
         self.out.push((first.start as usize, Tok::Qualifier(mark.filter(|_| !alone)), last.end as usize));
