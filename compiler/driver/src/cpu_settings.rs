@@ -17,6 +17,8 @@ pub enum CpuSetting {
     Exceeded,
     /// `startup = "cold"`
     Cold,
+    /// Byte of the clock memory or the system memory.
+    MemoryByte(u16),
     /// A number below `[retain]`.
     Retentive(Retained, u32),
 }
@@ -33,7 +35,12 @@ pub enum Retained {
 pub fn check(settings: &[(CpuSetting, Span)], profile: &Profile) -> Vec<Diagnostic> {
     let report = |(setting, span): &(CpuSetting, Span)| {
         let (title, help) = wrong(*setting, profile)?;
-        Some(Diagnostic::new(Code::Project, *span, title).help(help))
+        let mut message = Diagnostic::new(Code::Project, *span, title).help(help);
+        // Firmware versions differ.
+        if matches!(setting, CpuSetting::MemoryByte(_)) && !profile.limits_checked {
+            message.severity = Severity::Warning;
+        }
+        Some(message)
     };
     settings.iter().filter_map(report).collect()
 }
@@ -108,6 +115,13 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
             "write `startup = \"warm\"`; `--restart reset` gives retentive data their start values once",
         )),
         CpuSetting::Cold => None,
+        CpuSetting::MemoryByte(byte) => {
+            let bytes = profile.bit_memory;
+            (u32::from(byte) >= bytes && family != Family::S7200).then(|| {
+                let title = format!("the CPU {cpu} has no MB {byte}: its bit memory has {bytes} bytes");
+                (title, "write the number of a byte that it has, counted from 0")
+            })
+        }
         // The keys have no effect there.
         CpuSetting::Retentive(..) if family == Family::S7200 => None,
         CpuSetting::Retentive(retained, count) => {
@@ -150,10 +164,12 @@ mod tests {
             (CpuSetting::Retentive(Retained::Timers, 4000), [true, true, true, false]),
             (CpuSetting::Retentive(Retained::Counters, 8), [false, false, true, false]),
             (CpuSetting::Retentive(Retained::BitMemory, 16), [false, false, false, false]),
+            (CpuSetting::MemoryByte(255), [false, false, false, false]),
         ];
         for (setting, expected) in cases {
             let found = ["s7-300", "s7-400", "s7-1200", "s7-200"].map(|cpu| wrong(cpu, setting));
             assert_eq!(found, expected, "{setting:?}");
         }
+        assert!(wrong("1214C", CpuSetting::MemoryByte(8192)) && !wrong("1214C", CpuSetting::MemoryByte(8191)));
     }
 }

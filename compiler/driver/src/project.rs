@@ -157,6 +157,11 @@ impl Context {
                 self.report(key.span(), "a cycle takes longer than its monitoring allows", &help);
             }
         }
+        for key in [&keys.clock_memory, &keys.system_memory_byte].into_iter().flatten() {
+            if let Ok(byte) = u16::try_from(*key.get_ref()) {
+                self.note_of_cpu(CpuSetting::MemoryByte(byte), key.span());
+            }
+        }
         config.clock_memory_byte = keys.clock_memory.and_then(|byte| self.number(&byte, 0..=65535, "a memory byte"));
         config.system_memory_byte =
             keys.system_memory_byte.as_ref().and_then(|byte| self.number(byte, 0..=65535, "a memory byte"));
