@@ -4,6 +4,8 @@
 //! unknown field `nmae`, expected one of `name`, `cpu`   ──►   `nmae` is not a key here; help: write `name`
 //! ```
 
+mod headings;
+
 use crate::distance;
 
 /// A message and what to do.
@@ -21,57 +23,19 @@ pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
     let offset = (0..=offset.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or_default();
     let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
     let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
-    if let Some(wrong) = heading_of_a_text(message, text, &text[start..end], end) {
+    if let Some(wrong) = headings::list_of_a_table(message, &text[start..end]) {
         return wrong;
     }
-    if let Some(wrong) = heading_without_name(message, &text[..start], &text[start..end]) {
+    if let Some(wrong) = headings::open_list(message, &text[..start], &text[start..end]) {
+        return wrong;
+    }
+    if let Some(wrong) = headings::of_a_text(message, text, &text[start..end], end) {
+        return wrong;
+    }
+    if let Some(wrong) = headings::without_name(message, &text[..start], &text[start..end]) {
         return wrong;
     }
     plain(message, text[offset..end].trim_end(), &text[start..end])
-}
-
-/// Tables with a number or a name in their heading, and an example of it.
-const NAMED: [(&str, &str); 7] = [
-    ("ob", "35"),
-    ("hsc", "1"),
-    ("pulse", "1"),
-    ("connection", "1"),
-    ("axis", "Axis_1"),
-    ("io", "NAME"),
-    ("hardware_interrupt", "\"NAME\""),
-];
-
-/// `[axis]` with the keys of one axis below it. `line`: of the first of them; `before`: the text before it.
-fn heading_without_name(message: &str, before: &str, line: &str) -> Option<Wrong> {
-    let (_, wanted) = message.lines().next()?.strip_prefix("invalid type: ")?.rsplit_once(", expected ")?;
-    if !wanted.contains("map") && !wanted.contains("struct") {
-        return None;
-    }
-    let heading = before.lines().rev().map(str::trim).find(|line| line.starts_with('['))?;
-    let key = heading.strip_prefix('[')?.strip_suffix(']')?.trim();
-    let (_, example) = NAMED.into_iter().find(|(own, _)| *own == key)?;
-    // `30 = "50ms"`
-    let own = line.split('=').next().map(str::trim);
-    let number = own.filter(|own| !own.is_empty() && own.bytes().all(|digit| digit.is_ascii_digit()));
-    let help = match number {
-        Some(number) => format!("write `[{key}.{number}]`, and its keys below it"),
-        None => format!("write `[{key}.{example}]`"),
-    };
-    Some(Wrong { title: format!("`[{key}]` does not say which one"), help })
-}
-
-/// `[cpu]` with keys below it, where `cpu = "…"` is a key of its own. `end`: of the line of the heading.
-fn heading_of_a_text(message: &str, text: &str, line: &str, end: usize) -> Option<Wrong> {
-    let key = line.trim().strip_prefix('[')?.strip_suffix(']')?.trim();
-    if !message.starts_with("invalid type: map, expected a string") {
-        return None;
-    }
-    let below = text[end..].lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
-    let value = below.and_then(|line| line.split_once('=')).map_or("\"…\"", |(_, value)| value.trim());
-    Some(Wrong {
-        title: format!("`{key}` is a key with a text, not a heading"),
-        help: format!("write `{key} = {value}` at the top of the file, before the first heading"),
-    })
 }
 
 /// Rewrites `message` of the library. `place`: the text at the place of the error, up to the end of its line. `line`: its whole line.
@@ -152,7 +116,15 @@ fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
         rest.is_some_and(|rest| !rest.is_empty() && rest.bytes().all(|digit| digit.is_ascii_digit()))
     });
     let meant = MEANT.iter().find(|(word, own)| word.eq_ignore_ascii_case(name) && known.contains(own));
-    let near = meant.map(|(_, own)| *own).or_else(|| distance::nearest(name, known.iter().copied()));
+    // `max_cycle_time` for `cycle_time_max`.
+    let words = |key: &str| {
+        let mut words: Vec<String> = key.split(['_', '-', ' ']).map(str::to_ascii_lowercase).collect();
+        words.sort_unstable();
+        words
+    };
+    let own_words = words(name);
+    let turned = known.iter().copied().find(|key| words(key) == own_words);
+    let near = meant.map(|(_, own)| *own).or(turned).or_else(|| distance::nearest(name, known.iter().copied()));
     let help = match (numbered, near) {
         (Some(key), _) => format!("write `{key}.{}`", name[key.len()..].trim_start_matches(['_', '-', ' '])),
         (None, Some(near)) => format!("write `{near}`"),
@@ -418,6 +390,15 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
         let value = line.split_once('=').map_or(place, |(_, value)| value).split('#').next().unwrap_or_default().trim();
         // Those that word processors write.
         let value = value.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
+        if let Some(told) = headings::ends_with_point(line) {
+            return told;
+        }
+        if key.is_empty() && line.starts_with('=') {
+            return wrong("the key is missing before `=`", format!("write `key {line}`"));
+        }
+        if let Some(inner) = value.strip_prefix('(').and_then(|value| value.strip_suffix(')')) {
+            return wrong("a list is written in brackets", format!("write `{key} = [{inner}]`"));
+        }
         if !value.is_empty() && !value.starts_with(['"', '\'', '[', '{']) {
             if matches!(key, "sources" | "symbols" | "print" | "values" | "equations") {
                 return wrong("a text is written in quotation marks", format!("write `{key} = [\"{value}\"]`"));
@@ -528,6 +509,33 @@ mod tests {
     }
 
     #[test]
+    fn one_table_is_no_list() {
+        let told = |text: &str| plain_at("invalid type: map, expected a string", text, 0);
+        let Wrong { title, help } = told("[[retain]]\nfile = \"a\"\n");
+        assert_eq!((title.as_str(), help.as_str()), ("`retain` is one table, not a list of them", "write `[retain]`"));
+        assert_eq!(told("[[ob.35]]\nperiod = \"5ms\"\n").help, "write `[ob.35]`");
+        assert_eq!(told("[[ob]]\nnumber = 35\n").help, "write `[ob.35]`");
+    }
+
+    #[test]
+    fn lists_that_are_not_closed_are_told() {
+        let comma = "missing comma between array elements, expected `,`";
+        let told = |text: &str, at: usize| plain_at(comma, text, at);
+        let Wrong { title, help } = told("sources = [\"a.stl\"\nname = \"b\"\n", 20);
+        assert_eq!(title, "the list before this line is not closed");
+        assert_eq!(help, "write `sources = [\"a.stl\"]`");
+        assert_eq!(told("sources = [\n\"a.stl\",\n[retain]\n", 22).help, "write `]` after `\"a.stl\"`");
+        assert_eq!(told("sources = [\"a.stl\" \"b.stl\"]\n", 19).title, "a comma is missing before this");
+    }
+
+    #[test]
+    fn keys_with_their_words_in_another_order_are_found() {
+        let known = "expected one of `cycle_time`, `cycle_time_max`, `clock_memory`";
+        let title = "`max_cycle_time` is not a key here";
+        same(&format!("unknown field `max_cycle_time`, {known}"), "", title, "write `cycle_time_max`");
+    }
+
+    #[test]
     fn tells_types_in_plain_words() {
         let string = "invalid type: integer `50`, expected a string";
         same(string, "", "a text in quotation marks is expected here, not the number 50", "write `\"50\"`");
@@ -630,6 +638,10 @@ mod tests {
             "write `name = \"x\"`",
         );
         same(quotes, "cpu = “315-2DP”", "a text is written in quotation marks", "write `cpu = \"315-2DP\"`");
+        let round = "a list is written in brackets";
+        same(quotes, "sources = (\"a.stl\")", round, "write `sources = [\"a.stl\"]`");
+        same(quotes, "= 5", "the key is missing before `=`", "write `key = 5`");
+        same(quotes, "[ob.]", "the heading does not say which one", "write `[ob.35]`");
         same("invalid date", "cpu = 315-2DP", "a text is written in quotation marks", "write `cpu = \"315-2DP\"`");
         same("key with no value, expected `=`", "// my plant", "a comment begins with `#`", "write `# my plant`");
         let path = "write `sources = [\"src/main.scl\"]`: `/` is between folders";
