@@ -27,7 +27,7 @@ impl Binder<'_> {
                 let span = statement.span;
                 let bound = match &statement.kind {
                     Ast::Instruction { insn, mnemonic_span, operands } => {
-                        self.check_place(*insn, kind, structure.in_step(), *mnemonic_span);
+                        let is_here = self.check_place(*insn, kind, structure.in_step(), *mnemonic_span);
                         let bound = self.instruction(index, &locals, *insn, *mnemonic_span, operands);
                         let known = match &bound {
                             Some(StatementKind::Instruction { operands, .. }) => Some(operands.as_slice()),
@@ -39,7 +39,7 @@ impl Binder<'_> {
                         };
                         let name = self.mnemonic(*insn);
                         stack.visit(*insn, level, &name, *mnemonic_span, &mut self.report);
-                        if bound.is_none() && insn.operands().is_empty() {
+                        if !is_here || bound.is_none() && insn.operands().is_empty() {
                             stack.doubt();
                         }
                         structure.visit(*insn, known, span, &mut self.report);
@@ -178,6 +178,7 @@ impl Binder<'_> {
             .zip(operands)
             .map(|(class, operand)| match class {
                 OperandClass::Interrupt => self.interrupt_operand(locals, operand),
+                OperandClass::Label => self.label_operand(locals, operand),
                 class => self.operand(locals, *class, operand),
             })
             .collect();

@@ -23,8 +23,8 @@ const MODES: [u16; 6] =
     [0b1_0110_1101_1011, 0b1111_1111_1111, 0b1111_1111_1111, 0b1_0000_0000_0001, 0b110_1101_1011, 0b1];
 
 impl Binder<'_> {
-    /// Checks an instruction in a block of `kind`, in a sequence step or not.
-    pub fn check_place(&mut self, insn: Insn, kind: BlockKind, in_step: bool, span: Span) {
+    /// Checks an instruction in a block of `kind`, in a sequence step or not; false: blocks of this kind do not have it.
+    pub fn check_place(&mut self, insn: Insn, kind: BlockKind, in_step: bool, span: Span) -> bool {
         let main = kind == BlockKind::Ob;
         let interrupt = kind == BlockKind::Int;
         let old = self.row.old;
@@ -75,6 +75,7 @@ impl Binder<'_> {
             );
         }
         self.check_cpu(insn, &name, span);
+        !wrong
     }
 
     /// Instructions that only the 22x has, and those that small CPUs lack.

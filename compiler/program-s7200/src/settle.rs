@@ -3,6 +3,7 @@
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
+use plcc_syntax::s7200::OperandClass;
 use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, SymbolForm};
 
 use super::address;
@@ -85,6 +86,29 @@ impl Binder<'_> {
         }
         self.unknown_symbol(locals, name, span);
         None
+    }
+
+    /// The number of a label. A name that no symbol has was meant as the label itself.
+    pub fn label_operand(&mut self, locals: &Locals, operand: &ast::Operand) -> Option<Operand> {
+        if let OperandKind::Symbol { name, form: SymbolForm::Bare } = &operand.kind
+            && locals.find(name).is_none()
+            && !self.globals.contains_key(&fold(name))
+            && !self.by_name.contains_key(&fold(name))
+        {
+            let span = operand.span;
+            let digits = name.trim_start_matches(|c: char| !c.is_ascii_digit());
+            let help = match digits.parse::<u8>() {
+                Ok(number) => format!("write `{number}`"),
+                Err(_) => "write a number in its place, as in `JMP 1` and `LBL 1`".to_string(),
+            };
+            self.report.missing(MissingKey::Symbol(fold(name)), span, || {
+                Diagnostic::new(Code::OperandKind, span, format!("`{name}` is not the number of a label"))
+                    .label("the labels of the S7-200 are numbers")
+                    .help(help)
+            });
+            return None;
+        }
+        self.operand(locals, OperandClass::Label, operand)
     }
 
     fn unknown_local(&mut self, locals: &Locals, name: &str, span: Span) {

@@ -28,6 +28,8 @@ pub struct Structure {
     /// Step and position of each label.
     labels: FxHashMap<u32, (u32, Span)>,
     jumps: Vec<(u32, u32, Span)>,
+    /// The target of a jump could not be read.
+    lost: bool,
 }
 
 impl Structure {
@@ -78,7 +80,10 @@ impl Structure {
                         .help("move it between LSCR and SCRE"),
                 );
             }
-            Insn::Jmp => self.jumps.extend(number.map(|number| (number, self.step, span))),
+            Insn::Jmp => match number {
+                Some(number) => self.jumps.push((number, self.step, span)),
+                None => self.lost = true,
+            },
             Insn::Lbl => {
                 let Some(number) = number else { return };
                 match self.labels.get(&number) {
@@ -162,7 +167,7 @@ impl Structure {
             });
         }
         // A jump to a label that is not there is reported: it may mean one of these.
-        let is_lost = self.jumps.iter().any(|jump| !self.labels.contains_key(&jump.0));
+        let is_lost = self.lost || self.jumps.iter().any(|jump| !self.labels.contains_key(&jump.0));
         let mut unused: Vec<Span> = self
             .labels
             .iter()
