@@ -117,6 +117,9 @@ impl Binder<'_> {
             Diagnostic::new(Code::UnknownLocal, span, format!("the block declares no local variable `{name}`"))
                 .label("`#` means a variable of this block");
         self.push(match near.as_slice() {
+            _ if name.bytes().all(|digit| digit.is_ascii_digit()) => {
+                message.help(format!("a constant has no `#`: write `{name}`"))
+            }
             [] => message.help("declare it, or remove the `#` if a global symbol is meant"),
             _ => message.help(format!("is {} meant?", near.join(" or "))),
         });
@@ -130,6 +133,11 @@ impl Binder<'_> {
                 .label("no symbol table and no block has this name");
             if let Some(help) = bit_without_number(name, &["I", "Q", "M", "SM", "V", "S", "L"]) {
                 return message.help(help);
+            }
+            // As STEP 5 writes it.
+            let digits = name.strip_prefix(['K', 'k']).filter(|digits| digits.parse::<u32>().is_ok());
+            if let Some(digits) = digits {
+                return message.help(format!("a constant has no letter: write `{digits}`"));
             }
             match (near.as_slice(), has_tables) {
                 ([], false) => message.help("add the symbol table of the project to the sources"),

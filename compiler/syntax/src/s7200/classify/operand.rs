@@ -220,6 +220,9 @@ impl<'a> Classifier<'a, '_> {
                 let (first, last) = word.split_at(word.len() - 1);
                 format!("write `{first}N{last} {operands}`")
             }
+            Insn::LoadNot | Insn::AndNot | Insn::OrNot => {
+                format!("two negations are none: write `{} {operands}`", &word[..word.len() - 1])
+            }
             _ => format!("write `NOT` in a line of its own before `{word} {operands}`"),
         };
         let span = self.span(not.range());
@@ -461,15 +464,35 @@ impl<'a> Classifier<'a, '_> {
             }
             AddressError::DataBlock => ("not data block 1", "the S7-200 has one data block: `DB1.DBW100` is `VW100`"),
         };
-        let help = match (error, bit_of_byte(text)) {
-            (AddressError::BitOfWord, Some(bit)) => format!("name the bit by its byte: `{bit}`"),
-            _ => help.to_owned(),
+        let own = match error {
+            AddressError::Bit => next_bit(text),
+            AddressError::BitOfWord => bit_of_cell(text)
+                .map(|cell| format!("write `{cell}`: the bit of a timer or counter has no number"))
+                .or_else(|| bit_of_byte(text).map(|bit| format!("name the bit by its byte: `{bit}`"))),
+            AddressError::Number | AddressError::DataBlock => None,
         };
+        let help = own.unwrap_or_else(|| help.to_owned());
         let span = self.span(token.range());
         let title = format!("`{text}` is not an address of the S7-200");
         self.report(Diagnostic::new(Code::AddressRange, span, title).label(label).help(help));
         Tok::BadOperand
     }
+}
+
+/// What `I0.8` may mean.
+fn next_bit(text: &str) -> Option<String> {
+    let (place, bit) = text.rsplit_once('.')?;
+    let letters = place.trim_end_matches(|c: char| c.is_ascii_digit());
+    let (byte, bit) = (place[letters.len()..].parse::<u32>().ok()?, bit.parse::<u32>().ok()?);
+    let next = format!("{letters}{}.{}", byte.checked_add(bit / 8)?, bit % 8);
+    Some(format!("is `{next}` meant, the bit after those of the byte, or another bit from 0 to 7?"))
+}
+
+/// `T37` for `T37.0`.
+fn bit_of_cell(text: &str) -> Option<&str> {
+    let (cell, _) = text.rsplit_once('.')?;
+    let direct = address::parse(&cell.to_ascii_uppercase())?.ok()?;
+    matches!(direct.area, Area::T | Area::C).then_some(cell)
 }
 
 /// `V10.3` for `VB10.3`.
