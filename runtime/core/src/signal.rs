@@ -344,13 +344,14 @@ fn typed_value(cpu: &Cpu, address: &Address, ty: ValueType) -> TypedValue {
         }
         AssertType::Text => {
             let head = cpu.read_bytes(address, 2);
-            let length = head.iter().min().map_or(0, |length| u32::from(*length));
+            // Behind the declared characters are other values, whatever the head says.
+            let length = head.iter().min().map_or(0, |length| u32::from(*length)).min(ty.length.into());
             TypedValue::of_bytes(ty.ty, &cpu.read_bytes(address, 2 + length))
         }
         AssertType::WideText => {
             let head = cpu.read_bytes(address, 4);
             let word = |at: usize| u32::from(head[at]) << 8 | u32::from(head[at + 1]);
-            let length = word(0).min(word(2)).min(16_382);
+            let length = word(0).min(word(2)).min(ty.length.into());
             TypedValue::of_bytes(ty.ty, &cpu.read_bytes(address, 4 + 2 * length))
         }
         _ => TypedValue::Bits(cpu.read(address)),

@@ -48,7 +48,12 @@ impl Value {
             Some(_) => u64::from_be_bytes(memory.bytes(offset)),
             None => u64::from(offset),
         };
-        Value::typed(ty.ty, TypedValue::read(ty.ty, given, memory), ty.width(bit))
+        let mut value = TypedValue::read(ty.ty, given, memory);
+        // Behind the declared characters are other values, whatever the head says.
+        if let TypedValue::Text(text) = &mut value {
+            text.truncate(ty.length.into());
+        }
+        Value::typed(ty.ty, value, ty.width(bit))
     }
 
     /// Writes the text of a value of a type to an offset in memory. `Err`: the error as a sentence.
