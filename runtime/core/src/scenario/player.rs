@@ -194,6 +194,16 @@ fn beside(cpu: &Cpu, name: &str) -> Vec<String> {
     values.map(|(name, named)| format!("{name} = {}", Source::of(named).read(cpu, None).text())).collect()
 }
 
+/// The text of a value that is not the one wanted. Six digits of two numbers may be the same: then with all of them.
+fn distinct(actual: &Value, wanted: &Value) -> String {
+    match actual {
+        Value::Number(number) if number.is_finite() && actual.text() == wanted.text() => {
+            actual.exact_json().to_string()
+        }
+        Value::Bits(..) | Value::Whole(_) | Value::Number(_) | Value::Typed(..) => actual.text(),
+    }
+}
+
 fn holds(setting: &Setting, actual: &Value) -> bool {
     let number = |value: &Value| match value {
         Value::Whole(_) | Value::Number(_) => value.number(),
@@ -298,7 +308,7 @@ impl Player {
                         when: Some((cycle, time)),
                         beside: beside(cpu, &setting.signal.name),
                         values: Some((actual.json(), setting.value.json())),
-                        ..self.failure(setting, actual.text())
+                        ..self.failure(setting, distinct(&actual, &setting.value))
                     });
                 }
             }

@@ -145,9 +145,13 @@ fn shortest(real: f32) -> f64 {
     real.to_string().parse().unwrap_or(f64::from(real)) + 0.0
 }
 
-/// Six digits, the precision of a REAL.
+/// Up to this number a REAL holds each integer.
+const WHOLE_MAX: f64 = 16_777_216.0;
+
+/// Six digits, the precision of a REAL; of an integer that a REAL holds all digits.
 pub fn number_text(number: f64) -> String {
-    let rounded = format!("{number:.5e}").parse::<f64>().unwrap_or(number);
+    let is_whole = number.fract() == 0.0 && number.abs() <= WHOLE_MAX;
+    let rounded = if is_whole { number } else { format!("{number:.5e}").parse::<f64>().unwrap_or(number) };
     // No `-0`.
     (rounded + 0.0).to_string()
 }
@@ -156,7 +160,13 @@ pub fn number_text(number: f64) -> String {
 mod tests {
     use serde_json::{Value as Json, json};
 
-    use super::Value;
+    use super::{Value, number_text};
+
+    #[test]
+    fn integers_have_all_their_digits() {
+        let texts = [1_234_567.0, -16_777_216.0, 1_234_567.5, f64::from(0.1f32), -0.0].map(number_text);
+        assert_eq!(texts, ["1234567", "-16777216", "1234570", "0.1", "0"]);
+    }
 
     #[test]
     fn other_programs_get_every_digit_of_a_real() {
