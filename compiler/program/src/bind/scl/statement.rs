@@ -265,9 +265,10 @@ impl SclBinder<'_, '_> {
         };
         let start = limit(self, start);
         let end = limit(self, end);
-        let step = match step {
-            Some(step) => limit(self, step),
-            None => ty.map(|ty| constant_expr(1, ty, span)),
+        let step = match (step, ty) {
+            (Some(step), Some(ty)) => self.step(ctx, step, ty, variable.span),
+            (Some(step), None) => self.value(ctx, step).and(None),
+            (None, _) => ty.map(|ty| constant_expr(1, ty, span)),
         };
         if let Some(spot) = &spot {
             // The loop writes the variable that it counts with.
@@ -281,6 +282,30 @@ impl SclBinder<'_, '_> {
         self.check_end(ty, [&start, &end, &step], &bound, span)?;
         let variable = spot.access(variable.span);
         Some(StatementKind::For { variable, start, end, step, body: bound })
+    }
+
+    /// The step of a loop whose variable has type `ty`. One without a sign cannot count down. Source: SCL reference, FOR.
+    fn step(&mut self, ctx: &mut SclBlock, node: &Node, ty: Elementary, variable: Span) -> Option<Expr> {
+        let value = self.value(ctx, node)?;
+        let number = match &value {
+            Value::Constant(Constant::Integer { value, .. }, _) => Some(*value),
+            other => typed_constant(other)
+                .filter(|(own, _)| own.is_integer())
+                .map(|(own, bits)| constant::integer(own, bits)),
+        };
+        if ty.is_signed() || number.is_none_or(|number| number >= 0) {
+            return self.convert(ctx, value, ty);
+        }
+        let text = self.program.globals.text(variable);
+        let signed = if ty == Elementary::Usint { "INT" } else { "DINT" };
+        self.refuse(
+            Code::TypeMismatch,
+            node.span,
+            &format!("`{text}` of type {} cannot count down", ty.name()),
+            &format!("a negative step, but no value of type {} is negative", ty.name()),
+            &format!("declare `{text}` as {signed}"),
+        );
+        None
     }
 
     /// Limits that are known and never reached. Source: SCL reference, FOR.
