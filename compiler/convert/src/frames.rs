@@ -6,6 +6,7 @@ use plcc_syntax::ast::{
     Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header,
     InitialKind, InitialValue, Retain, Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
 };
+use plcc_syntax::scl::keyword::Keyword;
 
 use crate::operand;
 use crate::scl::expression;
@@ -216,7 +217,7 @@ impl Writer<'_> {
         self.out.indent();
         for constant in constants {
             self.remarks_before(constant.name_span.start);
-            let name = names::declared(&constant.name);
+            let name = self.declared(&constant.name, constant.name_span);
             let value = match (&constant.value, &constant.initial) {
                 (Some(value), _) => expression::text(value, self),
                 (None, Some(value)) => self.initial(value),
@@ -241,13 +242,16 @@ impl Writer<'_> {
 
     pub(crate) fn variables(&mut self, variables: &[Variable]) {
         self.out.indent();
-        for variable in variables {
-            self.variable(variable);
+        let source = self.source.filter(|_| matches!(self.notation, Notation::Stl | Notation::Scl | Notation::Sd));
+        for list in variables.chunk_by(|one, next| source.is_some_and(|source| is_list(source, one, next))) {
+            self.variable(list);
         }
         self.out.dedent();
     }
 
-    fn variable(&mut self, variable: &Variable) {
+    /// A variable, or several with one type: `a, b : INT;`.
+    fn variable(&mut self, list: &[Variable]) {
+        let [variable, others @ ..] = list else { return };
         self.remarks_before(variable.name_span.start);
         let own = variable.comment.as_ref();
         // After the declaration there is room for one line.
@@ -255,13 +259,16 @@ impl Writer<'_> {
         if let Some(comment) = own.filter(|_| is_long) {
             comment.lines().for_each(|line| self.out.line(format!("// {}", line.trim()).trim_end()));
         }
-        let mut head = names::declared(&variable.name);
+        let mut head = self.declared(&variable.name, variable.name_span);
         if !variable.attributes.is_empty() && self.notation == Notation::Sd {
             let list = variable.attributes.iter().map(|(key, value)| format!("{key} := \"{value}\""));
             head = format!("{{ {} }} {head}", list.collect::<Vec<_>>().join("; "));
         } else if !variable.attributes.is_empty() {
             let list: Vec<String> = variable.attributes.iter().map(|(key, value)| attribute(key, value)).collect();
             head.push_str(&format!(" {{ {} }}", list.join("; ")));
+        }
+        for other in others {
+            head.push_str(&format!(", {}", self.declared(&other.name, other.name_span)));
         }
         if let Some((at, _)) = &variable.at {
             head.push_str(&format!(" AT {}", names::declared(at)));
@@ -293,6 +300,13 @@ impl Writer<'_> {
         let mut remarks = self.trivia.on_line(end.max(variable.name_span.end));
         remarks.retain(|remark| own.is_none_or(|own| bare(&remark.text) != *own && !has_lines(&remark.text, own)));
         self.out.remarks(&remarks);
+    }
+
+    /// A name that is declared, in quotes if it must have them; a word of the language, if it has them in the source: `"IF"`.
+    fn declared(&self, name: &str, span: Span) -> String {
+        let quoted = format!("\"{name}\"");
+        let is_quoted = || self.source.and_then(|source| source.get(span.range())) == Some(quoted.as_str());
+        if Keyword::from_word(name).is_some() && is_quoted() { quoted } else { names::declared(name) }
     }
 
     pub(crate) fn value(&mut self, value: &ValueAssignment) {
@@ -373,7 +387,15 @@ impl Writer<'_> {
             }
             TypeKind::Reference(target) => format!("REF_TO {}", self.sd_type_text(target)),
             TypeKind::Struct(_) => "STRUCT".to_string(),
-            TypeKind::Block(name) => self.block_name(name),
+            TypeKind::Block(name) => {
+                // `_.Valve`
+                let text = self.source.and_then(|source| source.get(ty.span.range())).map(str::trim);
+                let own = text.filter(|text| match (text.strip_prefix("_."), name) {
+                    (Some(own), BlockName::Symbol { name, .. }) => own.trim_matches('"') == name,
+                    _ => false,
+                });
+                own.map_or_else(|| self.block_name(name), str::to_string)
+            }
             TypeKind::Error => {
                 self.refuse(ty.span, "a type that was not understood", "repair the source first");
                 String::new()
@@ -504,6 +526,17 @@ impl Writer<'_> {
             None => false,
         }
     }
+}
+
+/// Whether two variables are `a, b` of one declaration `a, b : INT` in a source.
+fn is_list(source: &str, one: &Variable, next: &Variable) -> bool {
+    let gap = source.get(one.name_span.end as usize..next.name_span.start as usize);
+    let is_plain = |variable: &Variable| variable.attributes.is_empty() && variable.at.is_none();
+    one.ty.span == next.ty.span
+        && gap.is_some_and(|gap| gap.trim() == ",")
+        && is_plain(one)
+        && is_plain(next)
+        && one.comment == next.comment
 }
 
 /// Members of a structure, also of an array of structures.

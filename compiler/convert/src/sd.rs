@@ -5,6 +5,8 @@
 //!            └─── element    another rung, which begins at the wire of the net
 //! ```
 
+mod written;
+
 use std::collections::{HashMap, HashSet};
 
 use plcc_diag::Diagnostic;
@@ -254,19 +256,28 @@ impl Writer<'_> {
                 Some((PinValue::Operand(value), _)) => {
                     let text = expression::text(value, self);
                     current.text.push_str(&format!(" {text}"));
+                    let passes_on = |source: &str| written::passes_on(source, value.span.end);
+                    if language == Language::Fbd && self.source.is_some_and(passes_on) {
+                        current.text.push_str("  A()");
+                    }
                 }
                 Some((PinValue::Open, _)) | None if language == Language::Lad => {
                     current.text.push_str(" wire#powerrail")
                 }
                 Some((PinValue::Open, _)) | None => {}
             }
-            if flow.is_some_and(|(_, negated)| negated) {
+            let is_negated = flow.is_some_and(|(_, negated)| negated);
+            // `{ … } NOT #t.TON( … )`
+            let is_inner = is_negated
+                && language == Language::Fbd
+                && self.source.is_some_and(|source| written::is_negated(source, element.span.start));
+            if is_negated && !is_inner {
                 current.text.push_str(if language == Language::Lad { " Not()" } else { " NOT" });
             }
             if is_not(element) && language == Language::Fbd {
                 current.text.push_str(" NOT");
             } else {
-                let text = self.sd_element(graph, &wires, at, language);
+                let text = self.sd_element(graph, &wires, at, language, is_inner);
                 current.text.push_str(&format!("  {text}"));
             }
             current.out = out_pin(element).and_then(|(_, pin)| match pin.value {
@@ -330,11 +341,18 @@ impl Writer<'_> {
         }
     }
 
-    fn sd_element(&mut self, graph: &Graph, wires: &Wires, at: usize, language: Language) -> String {
+    /// `is_negated`: the flow is inverted between the attributes and the element.
+    fn sd_element(&mut self, graph: &Graph, wires: &Wires, at: usize, language: Language, is_negated: bool) -> String {
         let element = &graph.elements[at];
+        let source = self.source;
+        let written = match &element.target {
+            Target::Element { row, .. } => source
+                .and_then(|source| written::element(source, element.span, row, element_name(row, element, language))),
+            Target::Block { .. } => None,
+        };
         let (name, row) = match &element.target {
             Target::Element { row, instance } => {
-                let name = element_name(row, element, language);
+                let name = written.as_ref().map_or(element_name(row, element, language), |written| written.name);
                 let instance = instance.as_ref().map(|instance| expression::text(instance, self));
                 (instance.map_or_else(|| name.to_string(), |instance| format!("{instance}.{name}")), Some(*row))
             }
@@ -349,14 +367,27 @@ impl Writer<'_> {
             if is_flow || is_out {
                 continue;
             }
-            arguments.push(self.sd_argument(wires, row, pin));
+            arguments.push((pin.span.start, self.sd_argument(wires, row, pin)));
         }
+        // In the order of the author, with the pins that are open.
+        if let Some(written) = written {
+            let is_known =
+                |text: &str| element.pins.iter().any(|pin| text.split(' ').next() == Some(pin.name.as_str()));
+            let open: Vec<_> = written.open.into_iter().filter(|(_, text)| !is_known(text)).collect();
+            let is_all = arguments.iter().all(|(start, _)| written.arguments.contains(start));
+            arguments.extend(open);
+            if is_all {
+                arguments.sort_by_key(|(start, _)| *start);
+            }
+        }
+        let arguments: Vec<String> = arguments.into_iter().map(|(_, text)| text).collect();
         let (settings, inline) = self.settings(element);
         let arguments = match arguments.is_empty() {
             true => "()".to_string(),
             false => format!("( {} )", arguments.join(", ")),
         };
-        format!("{settings}{name}{inline}{arguments}")
+        let not = if is_negated { "NOT  " } else { "" };
+        format!("{settings}{not}{name}{inline}{arguments}")
     }
 
     fn sd_argument(&mut self, wires: &Wires, row: Option<&Row>, pin: &Pin) -> String {
@@ -385,7 +416,8 @@ impl Writer<'_> {
         if unnamed {
             return format!("{not}{value}");
         }
-        let sign = if pin.output { "=>" } else { ":=" };
+        let is_assigned = self.source.is_some_and(|source| written::is_assigned(source, pin.span, &pin.name));
+        let sign = if pin.output && !is_assigned { "=>" } else { ":=" };
         format!("{} {sign} {not}{value}", pin.name).trim_end().to_string()
     }
 
@@ -412,16 +444,16 @@ impl Writer<'_> {
             [one] => list.push(format!("S7_Templates := \"{one}\"")),
             several => list.push(format!("S7_Templates := \"[{}]\"", several.join(", "))),
         }
+        if let Some(equation) = &element.equation {
+            let text = expression::text(equation, self);
+            list.push(format!("S7_Expression := \"{text}\""));
+        }
         match element.eno {
             Eno::Generated => list.push("S7_GenerateENO := \"TRUE\"".to_string()),
             // A box without the setting has its ENO switched off.
             Eno::Disabled if is_box => {}
             Eno::Disabled => list.push("S7_GenerateENO := \"FALSE\"".to_string()),
             Eno::Default => {}
-        }
-        if let Some(equation) = &element.equation {
-            let text = expression::text(equation, self);
-            list.push(format!("S7_Expression := \"{text}\""));
         }
         for (at, case) in element.cases.iter().enumerate() {
             let sign = match case {

@@ -79,6 +79,39 @@ fn regions_of_networks_stay() {
     assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
 }
 
+/// Elements are spelt as their author did, and pins that nothing is connected to are shown.
+#[test]
+fn documents_come_back_as_they_were() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK Line\n    VAR_INPUT\n        a, b : Bool;            // of both\n    END_VAR\n    \
+                  VAR\n        one, \"two 2\", \"IF\" : Int := 5;\n        t : TON_TIME;\n    END_VAR\n    \
+                  { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  Contact( #a )  { S7_Templates := \"time_type := Time\" }  #t.TON( pt := T#2s, et => )  \
+                  Coil( #b )  END_RUNG\n        \
+                  RUNG wire#powerrail  Contact( #b )  S_CU( counter := %C3, pv := C#12, r := #a, cv => %MW12, cv_bcd => )  \
+                  I_Coil( #b )  END_RUNG\n    END_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]);
+    assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
+    let source = "FUNCTION_BLOCK Gates\n    VAR\n        left, right : _.Valve;\n        osc : TON_TIME;\n        e, t : Bool;\n    \
+                  END_VAR\n    { S7_Language := \"FBD\" }\n    NETWORK\n        RUNG #e  A()  S_Coil( #t )  END_RUNG\n        \
+                  RUNG #t  { S7_Templates := \"time_type := Time\" }  NOT  #osc.TON( pt := T#1s, et => )  Coil( #t )  END_RUNG\n        \
+                  RUNG #t  P_Coil( operand := #e, bit := %M0.0 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("gates.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "gates.s7dcl", "--to", "sd"]);
+    assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
+    // Gates have names of their own: a comparison is spelt as in the language that it is drawn in.
+    let source = "FUNCTION F : Void\n    VAR_INPUT\n        a, b : Int;\n    END_VAR\n    \
+                  { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  { S7_Templates := \"SrcType := Int\" }  GT_Contact( in1 := #a, in2 := #b )  \
+                  Coil( %Q0.0 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("b.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "b.s7dcl", "--to", "fbd"]);
+    let found = text(&output.stdout);
+    assert!(found.contains(" GT( in1 := #a, in2 := #b )") && found.contains("a, b : Int;"), "{found}");
+}
+
 /// The comments, regions and pragmas of an export in XML are in what is made of it.
 #[test]
 fn comments_of_exports_stay() {
