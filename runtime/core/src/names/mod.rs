@@ -54,8 +54,13 @@ pub fn find(text: &str, image: &ProgramImage) -> Result<Named, String> {
     };
     match parts.as_deref() {
         Some([Part::Name(root), rest @ ..]) => finder.value(text, root, rest),
-        _ => Err(format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a name")),
+        _ => Err(format!("`{text}` is neither an address (such as {}) nor a name", examples(image))),
     }
+}
+
+/// Addresses of the CPU, for messages.
+fn examples(image: &ProgramImage) -> &'static str {
+    if image.s7200.is_some() { "Q0.0, VW20, SM0.1" } else { "Q4.0, MW20, DB10.DBD4" }
 }
 
 /// All values of a structure, an array or a DB, with their names, at most `most`; a value alone is a list of one. `Err`: as
@@ -431,7 +436,8 @@ impl<'a> Finder<'a> {
             return format!("`{text}` is not an address: a byte has the bits 0 to 7");
         }
         if text == root || is_bit {
-            format!("`{text}` is neither an address (such as Q4.0, MW20, DB10.DBD4) nor a symbol of the program{near}")
+            let examples = examples(self.image);
+            format!("`{text}` is neither an address (such as {examples}) nor a symbol of the program{near}")
         } else {
             format!("`{text}`: the program has no DB or tag `{root}`{near}")
         }
