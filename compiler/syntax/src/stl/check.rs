@@ -144,7 +144,10 @@ pub fn address(text: &str, span: Span, width: Width, byte: u32, bit: u8) -> Opti
             let letters = shown.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
             let help = match digits.strip_prefix('0') {
                 Some(bit) if bit.len() == 1 => format!("write `{letters} 0.{bit}`"),
-                _ if letters.ends_with(['X', 'x']) => format!("write `{letters} {byte}.0` for a bit"),
+                _ if letters.ends_with(['X', 'x']) => {
+                    let block = &letters[..letters.len() - 1];
+                    format!("write `{letters} {byte}.0` for a bit, `{block} {byte}` for a data block")
+                }
                 _ => format!("write `{letters} {byte}.0` for a bit, `{letters}B {byte}` for a byte"),
             };
             Some(

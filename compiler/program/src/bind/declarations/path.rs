@@ -383,9 +383,11 @@ impl Declarations<'_> {
         let has = |other: &&str| structure.members.iter().any(|member| member.name.eq_ignore_ascii_case(other));
         let habit =
             TIMER_WORDS.iter().filter(|(own, _)| own.eq_ignore_ascii_case(name)).map(|(_, other)| *other).find(has);
-        self.report(match habit.or_else(|| similar(name, names)) {
-            Some(other) => message.help(format!("is `{other}` meant?")),
-            None => {
+        let word = word_of_step5(name).filter(|_| !structure.members.is_empty());
+        self.report(match (word, habit.or_else(|| similar(name, names))) {
+            (Some(help), _) => message.help(help),
+            (None, Some(other)) => message.help(format!("is `{other}` meant?")),
+            (None, None) => {
                 const NAMES_MAX: usize = 12;
                 let names = structure.members.iter().map(|member| member.name.as_str());
                 let all: Vec<&str> = names.take(NAMES_MAX).collect();
@@ -397,6 +399,20 @@ impl Declarations<'_> {
             }
         });
     }
+}
+
+/// What `DW 2` may mean: STEP 5 counts the words of a data block.
+fn word_of_step5(name: &str) -> Option<String> {
+    let letters = name.get(..2).map(str::to_ascii_uppercase)?;
+    let width = letters.strip_prefix('D').filter(|width| matches!(*width, "W" | "D"))?;
+    let number: u32 = name[2..].trim_start().parse().ok()?;
+    let address = format!("DB{width}{number}");
+    Some(match number.checked_mul(2).filter(|byte| *byte > 0) {
+        Some(byte) => {
+            format!("write `{address}` for byte {number}, `DB{width}{byte}` if words are counted as in STEP 5")
+        }
+        None => format!("write `{address}`"),
+    })
 }
 
 /// Components of timers and counters in other controllers, and what they are called here.
