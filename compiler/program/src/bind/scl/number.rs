@@ -42,6 +42,17 @@ impl SclBinder<'_, '_> {
                 let nodes = pins.numbered("IN1");
                 let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
                 let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
+                if let [only] = values.as_slice() {
+                    let text = self.program.globals.text(only.span());
+                    self.refuse(
+                        Code::MissingParameter,
+                        pins.name,
+                        &format!("{} chooses among several values, but only `{text}` is given", row.name),
+                        "`IN2` is missing",
+                        "add `IN2 := …`",
+                    );
+                    return None;
+                }
                 if let Some(kind) = ordered_kind(&values) {
                     let name = if op == BinaryOp::Min { "MIN" } else { "MAX" };
                     let mut values = values.into_iter();
