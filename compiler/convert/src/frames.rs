@@ -122,7 +122,7 @@ impl Writer<'_> {
         }
         let attributes = header.attributes.iter().filter_map(|(key, value)| match key.as_str() {
             // SIMATIC SD has them as attributes, sources as text.
-            "S7_BlockNumber" | "S7_Version" | "S7_PreferredLanguage" if self.notation == Notation::Stl => None,
+            "S7_Version" | "S7_PreferredLanguage" if self.notation == Notation::Stl => None,
             "S7_Optimized" => Some(attribute("S7_Optimized_Access", value)),
             key => Some(attribute(key, value)),
         });

@@ -315,6 +315,26 @@ END_ORGANIZATION_BLOCK
     assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
 }
 
+/// The number decides when an organization block with a name of its own runs.
+#[test]
+fn numbers_of_documents_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "{ S7_BlockNumber := \"35\"; S7_Version := \"0.1\" }\nORGANIZATION_BLOCK Control\n    \
+                  { S7_Language := \"LAD\" }\n    NETWORK\n        RUNG wire#powerrail  Contact( %I0.0 )  Coil( %Q0.0 )  END_RUNG\n    \
+                  END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "--cpu", "315-2DP", "-o", "b.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let list = fs::read_to_string(folder.join("b.stl")).expect("it is written");
+    assert!(list.contains("{ S7_BlockNumber := '35' }\n"), "{list}");
+    let main = "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      SET;\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("main.stl"), main).expect("the folder can be written");
+    let found = plcc(folder, &["xref", "b.stl", "main.stl", "--cpu", "315-2DP"]);
+    let found = format!("{}{}", text(&found.stdout), text(&found.stderr));
+    assert!(found.contains("OB 35"), "{found}");
+}
+
 /// Comments of statements in an export are in the project as those of a source are.
 #[test]
 fn comments_of_exports_reach_projects() {
