@@ -2,6 +2,7 @@
 //! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them.
 
 mod addresses;
+mod asserted;
 mod companions;
 mod migration;
 pub mod whole;
@@ -157,6 +158,9 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             if !refused {
                 let (file, found) = written((args, to), *id, (unit, &made), &library, &source.text);
                 messages.extend(found);
+                if matches!(to, ConvertTo::Lad | ConvertTo::Fbd) && has(unit, |code| matches!(code, Code::Stl(_))) {
+                    messages.extend(asserted::of_registers(*id, &source.text, unit.mnemonics));
+                }
                 let (tags, found) = tags_beside(*id, &source.text, &parsed.tables);
                 messages.extend(found);
                 let beside = file.beside.into_iter().chain(tags).collect();

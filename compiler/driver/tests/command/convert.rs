@@ -400,6 +400,12 @@ fn assertions_divide_networks() {
     fs::write(folder.join("b.stl"), source.replace("      SET\n", "")).expect("the folder can be written");
     let made = plcc(folder, &["convert", "b.stl", "--to", "lad", "-o", "b.s7dcl"]);
     assert!(text(&made.stderr).contains("stands inside its network"), "{}", text(&made.stderr));
+    // Networks have no registers.
+    fs::write(folder.join("c.stl"), source.replace("MB 20 == B#16#06", "STW.RLO == 1"))
+        .expect("the folder can be written");
+    let made = plcc(folder, &["convert", "c.stl", "--to", "fbd", "-o", "c.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(text(&made.stderr).contains("this assertion checks a register"), "{}", text(&made.stderr));
 }
 
 /// A number at a LREAL stays a LREAL; with more digits than a constant of a statement has, it is refused.
