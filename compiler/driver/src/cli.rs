@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Arg, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use plcc_opt::Without;
 use plcc_runtime::RunOptions;
@@ -411,12 +411,25 @@ pub struct StatusArgs {
 }
 
 #[derive(Args, Debug)]
+#[command(mut_args(shown_for_replay))]
 pub struct ReplayArgs {
     /// The recording.
     #[arg(value_name = "RECORDING")]
     pub recording: PathBuf,
     #[command(flatten)]
     pub run: RunArgs,
+}
+
+/// A flag as the help of `plcc replay` has it: without those of `plcc run` that are a matter of the recording, such as its clients.
+fn shown_for_replay(flag: Arg) -> Arg {
+    #[rustfmt::skip]
+    const REFUSED: &[&str] = &[
+        "clock", "cycle_time", "set", "scenario", "watch_table", "force", "restart", "retain", "realtime", "record", "replay",
+        "instances", "instance_values", "watch", "lose", "allow_load", "s7", "modbus", "opcua", "metrics", "web", "tables", "tls",
+        "mqtt", "mqtt_ca", "mqtt_certificate", "mqtt_key", "sparkplug", "publish", "access",
+    ];
+    let is_refused = REFUSED.contains(&flag.get_id().as_str());
+    flag.hide(is_refused)
 }
 
 #[derive(Args, Clone, Debug)]
@@ -607,6 +620,19 @@ mod tests {
         assert_eq!(features(&[]), Ok(CpuFeatures::Baseline));
         assert_eq!(features(&["--cpu-features", "native"]), Ok(CpuFeatures::Native));
         assert!(features(&["--cpu-features", "avx9"]).is_err());
+    }
+
+    #[test]
+    fn replay_shows_no_flag_that_it_refuses() {
+        let mut command = <Cli as clap::CommandFactory>::command();
+        let replay = command.find_subcommand_mut("replay").expect("there is such a command");
+        let help = replay.render_long_help().to_string();
+        for flag in ["--set", "--record", "--clock", "--web", "--mqtt-ca", "--instances"] {
+            assert!(!help.contains(&format!("{flag} ")), "{flag} in {help}");
+        }
+        for flag in ["--cycles", "--print", "--trace", "--diag", "--data"] {
+            assert!(help.contains(flag), "{flag} is not in {help}");
+        }
     }
 
     #[test]
