@@ -155,9 +155,9 @@ impl StlBinder<'_, '_> {
                     continue;
                 }
                 good = false;
-                misspelt.push(
-                    self.program.unknown_parameter(key, bound, (&given.name, given.name_span), &[]).unwrap_or_default(),
-                );
+                let supplied: Vec<&str> = call.parameters.iter().map(|other| other.name.as_str()).collect();
+                let name = (given.name.as_str(), given.name_span);
+                misspelt.push(self.program.unknown_parameter(key, bound, name, &supplied).unwrap_or_default());
                 continue;
             };
             if let Some(first) = seen.insert(index, given.name_span) {
