@@ -21,23 +21,30 @@ use crate::words::{Words, bare};
 /// A text of each file of the program, which editors show; then their assertions.
 pub type Texts<'t> = Vec<(FileId, Words<'t>)>;
 
-/// What a byte of a file means, and its name there; also in the row of a symbol table.
-pub fn asked<'c>(index: &Index<'c>, words: &Words, file: FileId, byte: usize) -> Option<(Meaning<'c>, String)> {
+/// What the row of a symbol table at a byte of a file names, the name, and where that is.
+pub fn in_row<'c>(index: &Index<'c>, file: FileId, byte: usize) -> Option<(Meaning<'c>, String, Span)> {
     let is_it = |span: Span| span.file == file && (span.start as usize..=span.end as usize).contains(&byte);
     let mut symbols = index.checked.tables.iter().flat_map(|table| &table.symbols);
     let mut constants = index.checked.tables.iter().flat_map(|table| &table.constants);
-    let row = symbols.find(|symbol| is_it(symbol.span)).map(|symbol| &symbol.name);
-    if let Some(name) = row.or_else(|| constants.find(|one| is_it(one.span)).map(|one| &one.name)) {
-        let quoted = format!("\"{name}\"");
-        return along(index, None, &[quoted.as_str()], false).map(|found| (found, name.clone()));
+    let row = symbols.find(|symbol| is_it(symbol.span)).map(|symbol| (symbol.span, &symbol.name));
+    let (row, name) = row.or_else(|| constants.find(|one| is_it(one.span)).map(|one| (one.span, &one.name)))?;
+    let quoted = format!("\"{name}\"");
+    let found = along(index, None, &[quoted.as_str()], false)?;
+    Some((found, name.clone(), name_in_row(index, row, name).unwrap_or(row)))
+}
+
+/// What a byte of a file means, and its name there; also in the row of a symbol table.
+pub fn asked<'c>(index: &Index<'c>, words: &Words, file: FileId, byte: usize) -> Option<(Meaning<'c>, String)> {
+    if let Some((found, name, _)) = in_row(index, file, byte) {
+        return Some((found, name));
     }
     index.checked.units.iter().find(|(own, _)| *own == file)?;
     let at = words.at(byte)?;
     meaning(index, words, file, at).map(|found| (found, bare(words.word(at)).to_owned()))
 }
 
-/// Every place that means the same, the declaration included. Absolute addresses: every one that has a bit in common, and symbols
-/// of such addresses.
+/// Every place that means the same, the declaration included, also in a symbol table. Absolute addresses: every one that has a bit in
+/// common, and symbols of such addresses.
 pub fn references(index: &Index, texts: &Texts, (wanted, name): &(Meaning, String)) -> Vec<Span> {
     let address = match wanted {
         Meaning::Address(address) => Some(address.clone()),
@@ -59,9 +66,20 @@ pub fn references(index: &Index, texts: &Texts, (wanted, name): &(Meaning, Strin
         Some(address) => overlapping(index, texts, &address),
         None => same_definition(index, texts, wanted, name),
     };
+    let symbol = index.symbol(name).filter(|_| matches!(wanted, Meaning::Symbol(_) | Meaning::Block(_)));
+    found.extend(symbol.and_then(|symbol| name_in_row(index, symbol.span, &symbol.name)));
+    if let Meaning::Constant(Constant::Global(constant)) = wanted {
+        found.extend(name_in_row(index, constant.span, &constant.name));
+    }
     found.sort_by_key(|span| (span.file, span.start));
     found.dedup();
     found
+}
+
+/// The name in a row of a symbol table.
+fn name_in_row(index: &Index, row: Span, name: &str) -> Option<Span> {
+    let start = row.start as usize + index.checked.sources.text(row).find(name)?;
+    Some(Span::new(row.file, start..start + name.len()))
 }
 
 /// The places whose word is declared where this one is.

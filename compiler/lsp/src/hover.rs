@@ -6,6 +6,7 @@ use plcc_syntax::symbols::{Symbol, SymbolTarget};
 use plcc_syntax::{Language, s7200};
 
 use crate::address::{self, Address};
+use crate::constants::Constant;
 use crate::facts;
 use crate::index::{Entry, Index};
 use crate::names::{Callee, Meaning, meaning, part_before};
@@ -38,12 +39,7 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
             Some(format!("{}{}\n", code(&callee.name()), parameters(index, &callee)))
         }
         Meaning::Symbol(symbol) => Some(symbol_text(symbol)),
-        Meaning::Constant(constant) => {
-            let value = constant.value(index);
-            let colon = if value.starts_with(":=") { "" } else { ": " };
-            let text = code(&format!("{} {colon}{value}", constant.name()));
-            Some(format!("{text}constant of {}\n", constant.owner()))
-        }
+        Meaning::Constant(constant) => Some(constant_text(index, constant)),
         Meaning::Chart(part) => {
             Some(format!("{}\n{}\n", code(&format!("{} {}", part.kind(), part.name())), part.comment()))
         }
@@ -51,6 +47,28 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
         Meaning::Address(found) => address_text(index, words, at, &found),
         Meaning::Word(word) => instruction(words.language(at), &word).or_else(|| network::hover(words, at)),
     }
+}
+
+/// Markdown about what a row of a symbol table names.
+pub fn row(index: &Index, found: &Meaning) -> Option<String> {
+    match found {
+        Meaning::Block(entry) => Some(block(index, *entry)),
+        Meaning::Symbol(symbol) => Some(symbol_text(symbol)),
+        Meaning::Constant(constant) => Some(constant_text(index, *constant)),
+        Meaning::Variable { .. }
+        | Meaning::Library(_)
+        | Meaning::Chart(_)
+        | Meaning::Label(_)
+        | Meaning::Address(_)
+        | Meaning::Word(_) => None,
+    }
+}
+
+fn constant_text(index: &Index, constant: Constant) -> String {
+    let value = constant.value(index);
+    let colon = if value.starts_with(":=") { "" } else { ": " };
+    let text = code(&format!("{} {colon}{value}", constant.name()));
+    format!("{text}constant of {}\n", constant.owner())
 }
 
 fn code(text: &str) -> String {

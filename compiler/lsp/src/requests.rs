@@ -100,9 +100,15 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
                     });
                     return Some(Hover { contents, range: Some(Lines::new(view.text()).range(found.span.range())) });
                 }
-                let at = words.at(byte)?;
-                let value = hover::hover(&Index::new(view.checked), words, view.file, at)?;
-                let range = Some(Lines::new(view.text()).range(words.range(at)));
+                let index = Index::new(view.checked);
+                let (value, range) = match go::in_row(&index, view.file, byte) {
+                    Some((found, _, span)) => (hover::row(&index, &found)?, span.range()),
+                    None => {
+                        let at = words.at(byte)?;
+                        (hover::hover(&index, words, view.file, at)?, words.range(at))
+                    }
+                };
+                let range = Some(Lines::new(view.text()).range(range));
                 let contents = HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value });
                 Some(Hover { contents, range })
             })
@@ -113,7 +119,11 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
                 if let Some((found, names)) = view.s7200(byte) {
                     return view.location(names.definition(&found.named)?);
                 }
-                let meaning = names::meaning(&Index::new(view.checked), words, view.file, words.at(byte)?)?;
+                let index = Index::new(view.checked);
+                let meaning = match go::in_row(&index, view.file, byte) {
+                    Some((found, ..)) => found,
+                    None => names::meaning(&index, words, view.file, words.at(byte)?)?,
+                };
                 view.location(meaning.definition()?)
             })
         }

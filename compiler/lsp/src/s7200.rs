@@ -82,14 +82,15 @@ pub struct Names<'c> {
 }
 
 impl<'c> Names<'c> {
-    /// `None`: the file is not a source for the S7-200.
+    /// `None`: the file is neither a source for the S7-200 nor a table of a program with one. Tables of other CPUs may have its rows, too.
     pub fn of(checked: &'c Checked, file: FileId) -> Option<Names<'c>> {
         let mut rows = checked.tables.iter().flat_map(|table| &table.s7200);
-        let is_source = checked.units.iter().any(|(own, unit)| *own == file && unit.s7200.is_some());
-        if !is_source && !rows.any(|row| row.name_span.file == file) {
+        let sources = checked.units.iter().filter_map(|(file, unit)| Some((*file, unit.s7200.as_ref()?)));
+        let is_source = sources.clone().any(|(own, _)| own == file);
+        let is_table = sources.clone().next().is_some() && rows.any(|row| row.name_span.file == file);
+        if !is_source && !is_table {
             return None;
         }
-        let sources = checked.units.iter().filter_map(|(file, unit)| Some((*file, unit.s7200.as_ref()?)));
         let blocks = sources.flat_map(|(file, source)| source.blocks.iter().map(move |block| Owner { file, block }));
         Some(Names { checked, blocks: blocks.collect() })
     }

@@ -412,6 +412,13 @@ fn a_table_in_an_editor_is_part_of_the_program() {
         lines(&mut editor, "symbols.sdf", "Mo|tor"),
         ["main.stl:3", "main.stl:33", "motor.scl:1", "symbols.sdf:3"]
     );
+    assert_eq!(lines(&mut editor, "symbols.sdf", "La|mp"), ["main.stl:37", "symbols.sdf:2"]);
+    let found = editor.at("textDocument/references", "symbols.sdf", "La|mp");
+    assert_eq!(editor.covered(&found), ["main.stl:37 \"Lamp\"", "symbols.sdf:2 Lamp"]);
+    let found = editor.at("textDocument/hover", "symbols.sdf", "La|mp");
+    assert!(found["contents"]["value"].as_str().is_some_and(|text| text.contains("`Q 4.0`")), "{found}");
+    let found = editor.at("textDocument/definition", "symbols.sdf", "Mo|tor");
+    assert_eq!(editor.covered(&json!([found])), ["motor.scl:1 \"Motor\""]);
     let mut editor = Editor::new("press");
     editor.open("tags.xml");
     assert_eq!(editor.messages("tags.xml"), Vec::<String>::new());
@@ -481,7 +488,7 @@ fn constants_and_labels_of_scl_are_names() {
             "  LI|MIT : Int",
             &["press.scl:6 LIMIT", "press.scl:7 LIMIT", "press.scl:10 LIMIT", "press.scl:18 #LIMIT"][..],
         ),
-        ("> STRO|KES;", &["press.scl:21 \"STROKES\"", "press.scl:24 STROKES"]),
+        ("> STRO|KES;", &["press.scl:21 \"STROKES\"", "press.scl:24 STROKES", "tags.xml:4 STROKES"]),
         ("  ag|ain:", &["press.scl:15 again", "press.scl:19 again"]),
     ] {
         let found = editor.at("textDocument/references", "press.scl", piece);
