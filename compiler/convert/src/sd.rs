@@ -18,6 +18,7 @@ use plcc_syntax::network::ast::{
 use plcc_syntax::network::elements::{Kind, Row};
 use plcc_syntax::stl::Mnemonics;
 
+use crate::frames::is_implied;
 use crate::names;
 use crate::scl::expression;
 use crate::trivia::Trivia;
@@ -34,10 +35,13 @@ pub struct Document {
 pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> Document {
     let mut writer = Writer::new(Notation::Sd, Mnemonics::En, trivia, source);
     let mut texts = Texts::default();
-    for block in &unit.blocks {
+    for (at, block) in unit.blocks.iter().enumerate() {
         writer.out.gap();
+        // What follows statements without a header is still in their block.
+        let next = unit.blocks.get(at + 1).map_or(u32::MAX, |next| next.span().start);
+        let end = if is_implied(block) { next } else { block.span().end };
         match block {
-            Block::Code(code) => writer.sd_block(code, &mut texts),
+            Block::Code(code) => writer.sd_block(code, end, &mut texts),
             Block::Data(data) => writer.sd_data(data, &mut texts),
             Block::Type(ty) => writer.sd_type(ty, &mut texts),
         }
@@ -73,7 +77,8 @@ impl Texts {
 }
 
 impl Writer<'_> {
-    fn sd_block(&mut self, block: &CodeBlock, texts: &mut Texts) {
+    /// `end`: where its comments end.
+    fn sd_block(&mut self, block: &CodeBlock, end: u32, texts: &mut Texts) {
         let Code::Graphic(body) = &block.code else {
             let name = self.block_name(&block.name);
             let help = match &block.code {
@@ -85,10 +90,10 @@ impl Writer<'_> {
             };
             return self.refuse(block.name.span(), format!("{name} has no networks"), help);
         };
-        let (keyword, end) = match block.kind {
-            CodeKind::Ob => ("ORGANIZATION_BLOCK", "END_ORGANIZATION_BLOCK"),
-            CodeKind::Fc | CodeKind::Sfc => ("FUNCTION", "END_FUNCTION"),
-            CodeKind::Fb | CodeKind::Sfb => ("FUNCTION_BLOCK", "END_FUNCTION_BLOCK"),
+        let keyword = match block.kind {
+            CodeKind::Ob => "ORGANIZATION_BLOCK",
+            CodeKind::Fc | CodeKind::Sfc => "FUNCTION",
+            CodeKind::Fb | CodeKind::Sfb => "FUNCTION_BLOCK",
         };
         self.remarks_before(block.span.start);
         self.sd_header(&block.header, texts);
@@ -106,9 +111,9 @@ impl Writer<'_> {
         for network in &body.networks {
             self.sd_network(network, texts);
         }
-        self.remarks_before(block.span.end);
+        self.remarks_before(end);
         self.out.dedent();
-        self.out.line(end);
+        self.out.line(format!("END_{keyword}"));
     }
 
     fn sd_data(&mut self, block: &DataBlock, texts: &mut Texts) {

@@ -77,7 +77,11 @@ pub fn write(
     let mut writer = Writer::new(Notation::Scl, Mnemonics::En, trivia, source);
     let mut root = Node::new("Document").child(Node::new("Engineering").with("version", "V17"));
     let mut ids = Ids(0);
-    for block in &unit.blocks {
+    // A document has no place for comments after the last block but in it.
+    let end = u32::try_from(writer.trivia.source().len()).unwrap_or(u32::MAX);
+    let last = unit.blocks.last().map(|block| up_to(block, end));
+    let others = unit.blocks.len().saturating_sub(1);
+    for block in unit.blocks.iter().take(others).chain(&last) {
         let before = writer.lines_before(block.span().start);
         let object = match block {
             Block::Code(block) => code(block, before, library, &mut ids, &mut writer),
@@ -87,6 +91,18 @@ pub fn write(
         root.children.extend(object);
     }
     (node::with_pragmas(&node::document(&root), &pragmas), writer.messages)
+}
+
+/// A block with what follows it up to a byte.
+fn up_to(block: &Block, end: u32) -> Block {
+    let mut block = block.clone();
+    let span = match &mut block {
+        Block::Code(code) => &mut code.span,
+        Block::Data(data) => &mut data.span,
+        Block::Type(ty) => &mut ty.span,
+    };
+    span.end = span.end.max(end);
+    block
 }
 
 /// Numbers of objects.

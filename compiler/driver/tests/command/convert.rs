@@ -408,6 +408,29 @@ fn assertions_divide_networks() {
     assert!(text(&made.stderr).contains("this assertion checks a register"), "{}", text(&made.stderr));
 }
 
+/// What follows the last statement is still in the block, also where that has no header.
+#[test]
+fn comments_at_the_end_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let plain = "      SET\n      =     M 0.0\n//@ assert M 0.0 == 1\n// the end\n";
+    let framed = "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      SET\n      =     M 0.0\n//@ assert M 0.0 == 1\n\
+                  END_ORGANIZATION_BLOCK\n// the end\n";
+    for (name, source) in [("plain", plain), ("framed", framed)] {
+        fs::write(folder.join(format!("{name}.stl")), source).expect("the folder can be written");
+        for (to, extension) in [("xml", "xml"), ("lad", "s7dcl"), ("fbd", "s7dcl"), ("stl", "stl")] {
+            let made = format!("{name}-{to}.{extension}");
+            let output = plcc(folder, &["convert", &format!("{name}.stl"), "--to", to, "-o", &made]);
+            assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+            let written = fs::read_to_string(folder.join(&made)).expect("it is written");
+            assert!(written.contains("the end"), "{written}");
+            let tested = plcc(folder, &["test", &made, "--cpu", "315-2DP"]);
+            let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+            assert!(said.contains("1 passed, 0 failed"), "{said}{written}");
+        }
+    }
+}
+
 /// A number at a LREAL stays a LREAL; with more digits than a constant of a statement has, it is refused.
 #[test]
 fn long_numbers_in_networks() {
