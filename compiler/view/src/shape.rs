@@ -171,7 +171,7 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
     let titles: Vec<(String, Ink)> = metrics::wrapped(title, 26)
         .into_iter()
         .map(|line| (line, Ink::Title))
-        .chain(metrics::wrapped(detail, 26).into_iter().map(|line| (line, Ink::Detail)))
+        .chain(detail.lines().flat_map(|line| metrics::wrapped(line, 26)).map(|line| (line, Ink::Detail)))
         .collect();
     let title_width = titles.iter().map(|(line, ink)| metrics::width(line, ink.height())).max().unwrap_or(0);
     let (left_names, right_names) = (names(&lefts), names(&rights));

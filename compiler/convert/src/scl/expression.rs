@@ -2,7 +2,7 @@
 
 use plcc_diag::Span;
 use plcc_syntax::ast::{BlockName, OperandKind, Width};
-use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
+use plcc_syntax::scl::ast::{Argument, Expr, ExprKind, Literal, Name, NameForm, UNARY, UnaryOp};
 use plcc_syntax::stl::Mnemonics;
 
 use crate::writer::{Notation, Writer};
@@ -12,23 +12,6 @@ use crate::{literal, names, operand};
 pub(crate) fn text(value: &Expr, writer: &mut Writer) -> String {
     written(value, 0, writer)
 }
-
-/// How tightly operators bind, from `OR` to unary ones.
-fn precedence(op: BinaryOp) -> u8 {
-    match op {
-        BinaryOp::Or => 1,
-        BinaryOp::Xor => 2,
-        BinaryOp::And => 3,
-        BinaryOp::Equal | BinaryOp::NotEqual => 4,
-        BinaryOp::Less | BinaryOp::Greater | BinaryOp::LessEqual | BinaryOp::GreaterEqual => 5,
-        BinaryOp::Add | BinaryOp::Subtract => 6,
-        BinaryOp::Multiply | BinaryOp::Divide | BinaryOp::DivideInteger | BinaryOp::Modulo => 7,
-        BinaryOp::Power => 9,
-    }
-}
-
-/// Of NOT and signs.
-const UNARY: u8 = 8;
 
 /// Of NOT in charts.
 const GRAPH_NOT: u8 = 4;
@@ -90,7 +73,7 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
             if around > 0 && (around >= UNARY || *op != UnaryOp::Not) { format!("({text})") } else { text }
         }
         ExprKind::Binary { op, left, right, .. } => {
-            let own = precedence(*op);
+            let own = op.precedence();
             let left = written(left, own, writer);
             let right = written(right, own + 1, writer);
             let text = format!("{left} {} {right}", op.sign());

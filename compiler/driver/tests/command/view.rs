@@ -28,6 +28,24 @@ fn a_page_names_all_languages_of_a_block() {
 }
 
 #[test]
+fn a_calculation_shows_its_formula() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION Work : Void\n  VAR_INPUT\n    a : Real;\n    list : Array[0..9] of Real;\n    i : Int;\n  END_VAR\n\
+                  { S7_Language := \"LAD\" }\nNETWORK\n  RUNG wire#powerrail { S7_Templates := \"SrcType := Real\"; \
+                  S7_Expression := \"(IN1 + IN2) * IN3\" } Calculate( in1 := #a, in2 := #list[#i + 1], in3 := 2.0, \
+                  out => %MD20 ) END_RUNG\nEND_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("work.s7dcl"), source).expect("the folder can be written");
+    let output = Command::new(PLCC).current_dir(folder).args(["view", "work.s7dcl", "-o", "drawings"]).output();
+    let output = output.expect("plcc starts");
+    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for text in [">Real<", ">OUT := (IN1 + IN2) * IN3<", ">#list[#i + 1]<"] {
+        assert!(picture.contains(text), "{text} in {picture}");
+    }
+}
+
+#[test]
 fn a_view_without_an_output_names_both_kinds() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("lamp.stl"), "      A     I 0.0\n      =     Q 4.0\n")

@@ -276,7 +276,24 @@ pub enum BinaryOp {
     Or,
 }
 
+/// How tightly NOT and signs bind, as [`BinaryOp::precedence`].
+pub const UNARY: u8 = 8;
+
 impl BinaryOp {
+    /// How tightly it binds: less than [`UNARY`], except a power.
+    pub const fn precedence(self) -> u8 {
+        match self {
+            BinaryOp::Or => 1,
+            BinaryOp::Xor => 2,
+            BinaryOp::And => 3,
+            BinaryOp::Equal | BinaryOp::NotEqual => 4,
+            BinaryOp::Less | BinaryOp::Greater | BinaryOp::LessEqual | BinaryOp::GreaterEqual => 5,
+            BinaryOp::Add | BinaryOp::Subtract => 6,
+            BinaryOp::Multiply | BinaryOp::Divide | BinaryOp::DivideInteger | BinaryOp::Modulo => 7,
+            BinaryOp::Power => 9,
+        }
+    }
+
     /// As SCL writes it.
     pub const fn sign(self) -> &'static str {
         match self {

@@ -223,7 +223,7 @@ impl Tiles<'_> {
                 let label = self.names.label(&draw::whole(operand), self.scope);
                 self.writes(&label);
                 key = label.key;
-                one(format!("{} := {}", label.text, draw::whole(value)))
+                one(format!("{} := {}", label.text, draw::formula(value)))
             }
             ActionBody::All { .. } => one("S_ALL".to_string()),
             ActionBody::Call(call) => (self.lines(call.span), None),

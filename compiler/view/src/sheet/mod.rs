@@ -59,7 +59,7 @@ pub enum Look {
     Coil { sign: String },
     /// A comparison: sign and type between the bars.
     Compare { sign: String, ty: String },
-    /// A rectangle with its title, a second line below the title, and the instance above.
+    /// A rectangle with its title, further lines below the title, and the instance above.
     Box { title: String, detail: String, instance: Option<Label> },
     /// Nothing: its effect is drawn elsewhere.
     Nothing,

@@ -141,7 +141,11 @@ fn look(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
         };
         return (look, meaning, true);
     }
-    (Look::Box { title: title(row), detail: types(element), instance }, meaning, false)
+    let detail = match &element.equation {
+        Some(equation) => format!("{}\nOUT := {}", types(element), draw::formula(equation)),
+        None => types(element),
+    };
+    (Look::Box { title: title(row), detail, instance }, meaning, false)
 }
 
 /// Where a pin of a box is: the operand of a flip-flop, a timer or a counter is above it, the bit of an edge below.

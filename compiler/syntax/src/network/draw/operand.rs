@@ -24,21 +24,34 @@ pub fn whole(value: &Expr) -> String {
         ExprKind::Name(value) => name(value),
         ExprKind::Member { base, name: member } => format!("{}.{}", whole(base), name(member)),
         ExprKind::Index { base, indices } => {
-            format!("{}[{}]", whole(base), indices.iter().map(whole).collect::<Vec<_>>().join(","))
+            format!("{}[{}]", whole(base), indices.iter().map(formula).collect::<Vec<_>>().join(","))
         }
+        ExprKind::Slice { base, width, index } => format!("{}.%{}{index}", whole(base), width.letter()),
+        ExprKind::Dereference(base) => format!("{}^", whole(base)),
+        ExprKind::Binary { .. } => format!("({})", formula(value)),
         ExprKind::Literal(value) => literal(value),
         ExprKind::Unary { op: UnaryOp::Minus, operand } => format!("-{}", whole(operand)),
         ExprKind::Unary { op: UnaryOp::Not, operand } => format!("NOT {}", whole(operand)),
         ExprKind::Error => "???".to_string(),
         ExprKind::Absolute(_)
         | ExprKind::MemberAbsolute { .. }
-        | ExprKind::Slice { .. }
         | ExprKind::Call { .. }
-        | ExprKind::Dereference(_)
         | ExprKind::Reference(_)
-        | ExprKind::Unary { op: UnaryOp::Plus, .. }
-        | ExprKind::Binary { .. } => text::expr(value),
+        | ExprKind::Unary { op: UnaryOp::Plus, .. } => text::expr(value),
     }
+}
+
+/// A formula with the parentheses that it needs: `(IN1 + IN2) * IN3`.
+pub fn formula(value: &Expr) -> String {
+    within(value, 0)
+}
+
+/// In parentheses if what is around it binds more.
+fn within(value: &Expr, around: u8) -> String {
+    let ExprKind::Binary { op, left, right, .. } = &value.kind else { return whole(value) };
+    let own = op.precedence();
+    let text = format!("{} {} {}", within(left, own), op.sign(), within(right, own + 1));
+    if own < around { format!("({text})") } else { text }
 }
 
 fn name(name: &Name) -> String {
