@@ -10,12 +10,14 @@ mod written;
 use std::collections::{HashMap, HashSet};
 
 use plcc_diag::Diagnostic;
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Block, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, SourceUnit, TypeBlock};
 use plcc_syntax::network::ast::{
     Comparison, Content, Element, Eno, Graph, Language, Net, NetId, Network, Pin, PinValue, Source, Storage, Target,
     TemplateKey,
 };
-use plcc_syntax::network::elements::{Kind, Row};
+use plcc_syntax::network::elements::{CounterCoil, Kind, PinDirection, Row};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Literal};
 use plcc_syntax::stl::Mnemonics;
 
 use crate::frames::is_implied;
@@ -407,7 +409,10 @@ impl Writer<'_> {
         let not = if pin.negated && !is_negated_name { "NOT " } else { "" };
         let value = match &pin.value {
             PinValue::Net(net) => format!("wire#{}", wires.name(*net)),
-            PinValue::Operand(value) => expression::text(value, self),
+            PinValue::Operand(value) => {
+                let count = count(row, &pin.name, value).filter(|_| self.source.is_none());
+                count.unwrap_or_else(|| expression::text(value, self))
+            }
             PinValue::Open => String::new(),
         };
         let unnamed = row.is_some_and(|row| match row.kind {
@@ -422,7 +427,9 @@ impl Writer<'_> {
             return format!("{not}{value}");
         }
         let is_assigned = self.source.is_some_and(|source| written::is_assigned(source, pin.span, &pin.name));
-        let sign = if pin.output && !is_assigned { "=>" } else { ":=" };
+        let known = row.and_then(|row| row.pin(&pin.name));
+        let is_in_out = known.is_some_and(|(known, _)| known.direction == PinDirection::InOut);
+        let sign = if pin.output && !is_assigned && !is_in_out { "=>" } else { ":=" };
         format!("{} {sign} {not}{value}", pin.name).trim_end().to_string()
     }
 
@@ -477,6 +484,14 @@ impl Writer<'_> {
             (false, false) => (format!("{{ {} }}  ", list.join("; ")), String::new()),
         }
     }
+}
+
+/// The constant that a counter is set to, as `C#12`.
+fn count(row: Option<&Row>, pin: &str, value: &Expr) -> Option<String> {
+    let is_count = matches!(row?.kind, Kind::S5Counter(_) | Kind::CounterCoil(CounterCoil::Set)) && pin == "pv";
+    let ExprKind::Literal(Literal::Typed { ty: Elementary::Word, bits }) = &value.kind else { return None };
+    let is_decimal = *bits <= 0x999 && (0..3).all(|digit| *bits >> (4 * digit) & 0xF < 10);
+    (is_count && is_decimal).then(|| format!("C#{bits:X}"))
 }
 
 /// A rung that is not finished.

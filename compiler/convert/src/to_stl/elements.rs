@@ -189,7 +189,7 @@ impl Maker<'_> {
                     CounterCoil::Up => StlInsn::CountUp,
                     CounterCoil::Down => StlInsn::CountDown,
                     CounterCoil::Set => {
-                        self.load_pin(graph, at, "pv", Elementary::Word);
+                        self.load_count(graph, at);
                         StlInsn::Set
                     }
                 };
@@ -430,7 +430,7 @@ impl Maker<'_> {
                 let flow = self.input(graph, plan, at, name);
                 self.evaluate(&flow);
                 if name == "s" && self.is_connected(graph, at, "pv") {
-                    self.load_pin(graph, at, "pv", Elementary::Word);
+                    self.load_count(graph, at);
                 }
                 self.push(insn, Some(cell.clone()));
             }

@@ -69,6 +69,20 @@ impl Maker<'_> {
         }
     }
 
+    /// Loads what a counter is set to: a constant is `C#12`.
+    pub fn load_count(&mut self, graph: &Graph, at: usize) {
+        for (insn, mut operand) in self.load(graph, at, "pv", Elementary::Word).unwrap_or_default() {
+            if let Some(Operand { kind: OperandKind::Literal(value), .. }) = &mut operand
+                && let Literal::Word(bits) = *value
+                && bits <= 0x999
+                && (0..3).all(|digit| bits >> (4 * digit) & 0xF < 10)
+            {
+                *value = Literal::Counter(bits);
+            }
+            self.push(insn, operand);
+        }
+    }
+
     /// Statements that load an input as a value of type `ty`.
     pub fn load(
         &mut self,

@@ -408,6 +408,24 @@ fn assertions_divide_networks() {
     assert!(text(&made.stderr).contains("this assertion checks a register"), "{}", text(&made.stderr));
 }
 
+/// The forms in which a counter has its value, and a flip-flop its operand.
+#[test]
+fn counters_and_flip_flops_have_their_usual_form() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "      A     M 1.0\n      L     C#10\n      S     C 1\n      A     M 1.1\n      S     M 2.0\n      \
+                  A     M 1.2\n      R     M 2.0\n      A     M 2.0\n      =     M 2.1\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "lad", "-o", "a.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let drawn = fs::read_to_string(folder.join("a.s7dcl")).expect("it is written");
+    for found in ["SC_Coil( counter := %C1, pv := C#10 )", "S_SR( operand := %M2.0, r1 := "] {
+        assert!(drawn.contains(found), "{found} in\n{drawn}");
+    }
+    let list = text(&plcc(folder, &["convert", "a.s7dcl", "--to", "stl"]).stdout);
+    assert!(list.contains("      L     C#10;\n      S     C 1;\n"), "{list}");
+}
+
 /// What follows the last statement is still in the block, also where that has no header.
 #[test]
 fn comments_at_the_end_stay() {
