@@ -335,6 +335,20 @@ fn numbers_of_documents_stay() {
     assert!(found.contains("OB 35"), "{found}");
 }
 
+/// A quote in a text, which XML writes as `&apos;`.
+#[test]
+fn texts_with_quotes_come_back_from_projects() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION \"F\" : Void\nVAR_TEMP\n  t : String[20];\nEND_VAR\nBEGIN\n  \
+                  #t := CONCAT(IN1 := 'It$'s ', IN2 := 'on');\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "plcopen", "--cpu", "1511-1", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    assert!(back.contains("CONCAT(IN1 := 'It$'s ', IN2 := 'on')"), "{back}");
+}
+
 /// Comments of statements in an export are in the project as those of a source are.
 #[test]
 fn comments_of_exports_reach_projects() {

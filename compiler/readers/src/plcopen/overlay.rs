@@ -100,6 +100,8 @@ fn blank_markup(bytes: &mut [u8], range: Range<usize>) {
 fn decode(bytes: &mut [u8]) {
     let mut out: Vec<u8> = Vec::with_capacity(bytes.len());
     let mut quote = None;
+    // After a `$` in a text, a quote is a character of it.
+    let mut is_escaped = false;
     let mut owed = 0;
     let mut at = 0;
     while at < bytes.len() {
@@ -112,7 +114,7 @@ fn decode(bytes: &mut [u8]) {
                 quote = Some(*c);
                 out.push(*c);
             }
-            (Some(open), [c]) if *c == open || *c == b'\n' => {
+            (Some(open), [c]) if *c == open && !is_escaped || *c == b'\n' => {
                 // A line end ends a text too: the quote was an apostrophe in a comment.
                 let line_end = *c == b'\n';
                 if !line_end {
@@ -122,11 +124,12 @@ fn decode(bytes: &mut [u8]) {
                 if line_end {
                     out.push(*c);
                 }
-                quote = None;
+                (quote, is_escaped) = (None, false);
             }
             (Some(_), text) => {
                 out.extend_from_slice(text);
                 owed += free;
+                is_escaped = text == b"$" && !is_escaped;
             }
             (None, text) if free == 0 => out.extend_from_slice(text),
             (None, text) => {
@@ -196,6 +199,8 @@ mod tests {
         assert_eq!(of("a &amp; b"), "a     & b");
         assert_eq!(of("x := 'a&amp;b'; y"), "x := 'a&b'    ; y");
         assert_eq!(of("x := &apos;a&lt;b&apos;; y"), "x :=      'a<b'        ; y");
+        assert_eq!(of("x := &apos;It$&apos;s&apos;; y := 'b'"), "x :=      'It$'s'          ; y := 'b'");
+        assert_eq!(of("x := 'cost $$'; y := &apos;b&apos;"), "x := 'cost $$'; y :=      'b'     ");
         assert_eq!(of("don&apos;t\na &lt; b"), "don     't\na    < b");
     }
 
