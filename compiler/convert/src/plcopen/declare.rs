@@ -128,6 +128,9 @@ impl<'a> Declarer<'_, 'a> {
         let mut comments: Vec<String> = Vec::new();
         let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
         let mut remarks = writer.trivia.before(variable.name_span.start);
+        remarks.retain(|remark| !writer.is_written(&remark.text));
+        // What is on the line of a structure is about it, not about its first member.
+        remarks.extend(writer.trivia.on_line(variable.name_span.end));
         let ty = self.type_node(&variable.ty, &variable.name, parent, writer);
         remarks.extend(writer.trivia.on_line(end.max(variable.name_span.end)));
         node.push(Node::new("type").child(ty));

@@ -135,6 +135,8 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
     }
 
     fn header(&mut self, header: &Header, span: Span, writer: &mut Writer) {
+        // It is written with the block, and not again with its first variable.
+        writer.written.clone_from(&header.comment);
         if header.know_how_protect {
             writer.warn(
                 span,

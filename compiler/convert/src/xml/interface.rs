@@ -98,6 +98,10 @@ pub fn of_members(
 }
 
 fn member(variable: &Variable, library: &Library, writer: &mut Writer) -> Node {
+    let mut remarks = writer.trivia.before(variable.name_span.start);
+    remarks.retain(|remark| !writer.is_written(&remark.text));
+    // What is on the line of a structure is about it, not about its first member.
+    let mut beside = writer.trivia.on_line(variable.name_span.end);
     let mut node = typed(&variable.name, &variable.ty, library, writer);
     if let Some((at, _)) = &variable.at {
         let attribute = Node::of("StringAttribute", at.as_str()).with("Name", "At").with("SystemDefined", "true");
@@ -110,10 +114,8 @@ fn member(variable: &Variable, library: &Library, writer: &mut Writer) -> Node {
         }
     }
     let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
-    let mut remarks = writer.trivia.before(variable.name_span.start);
-    remarks.retain(|remark| !writer.is_written(&remark.text));
     let mut comments: Vec<String> = Vec::new();
-    let beside = writer.trivia.on_line(end.max(variable.name_span.end));
+    beside.extend(writer.trivia.on_line(end.max(variable.name_span.end)));
     let texts = remarks.iter().map(|remark| bare(&remark.text)).chain(variable.comment.clone());
     for text in texts.chain(beside.iter().map(|remark| bare(&remark.text))) {
         if !comments.contains(&text) {

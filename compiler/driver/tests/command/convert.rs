@@ -335,6 +335,33 @@ fn numbers_of_documents_stay() {
     assert!(found.contains("OB 35"), "{found}");
 }
 
+/// Comments of a block and of a structure are not those of the variable after them.
+#[test]
+fn comments_of_structures_stay_with_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "TYPE \"T\"\nVERSION : 0.1\n//about T\n   STRUCT\n      a : Int;   // of a\n      // above the limits\n      \
+                  limits : Struct   // of the limits\n         low : Int;\n         high : Int;   // of high\n      \
+                  END_STRUCT;\n   END_STRUCT;\nEND_TYPE\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    for to in ["xml", "plcopen"] {
+        let made = plcc(folder, &["convert", "a.scl", "--to", to, "--cpu", "1511-1", "-o", "a.xml"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+        let member = if to == "xml" { "<Member Name=\"" } else { "<variable name=\"" };
+        let of = |name: &str| {
+            let at = document.find(&format!("{member}{name}\"")).unwrap_or_else(|| panic!("{name} in\n{document}"));
+            let rest = &document[at + member.len()..];
+            &rest[..rest.find(member).unwrap_or(rest.len())]
+        };
+        assert!(!of("low").contains("limits") && of("high").contains("of high"), "{document}");
+        for comment in ["about T", "of a", "above the limits", "of the limits", "of high"] {
+            assert_eq!(document.matches(comment).count(), 1, "{comment} in\n{document}");
+        }
+        assert!(!of("a").contains("about T"), "{document}");
+    }
+}
+
 /// A quote in a text, which XML writes as `&apos;`.
 #[test]
 fn texts_with_quotes_come_back_from_projects() {
