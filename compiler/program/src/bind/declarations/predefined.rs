@@ -1,7 +1,7 @@
 //! Data types of the language or the CPU: DTL, ErrorStruct, connection descriptions, numbers of hardware objects and OBs, and the instance
 //! types of IEC timers and counters, which are blocks of the standard library.
 //!
-//! Source: LAD/FBD reference for S7-1200, data types, date and time, GET_ERROR, and CTRL_HSC_EXT.
+//! Source: LAD/FBD reference for S7-1200, data types, date and time, GET_ERROR, CTRL_HSC_EXT, and T_CONFIG.
 
 use std::rc::Rc;
 
@@ -74,6 +74,17 @@ const TMAIL_FQDN_DEFAULT: [u8; 1102] = {
     bytes[524] = 254;
     bytes[780] = 64;
     bytes[846] = 254;
+    bytes
+};
+
+/// Subfield 30 of 18 bytes: addresses.
+const IF_CONF_V4_DEFAULT: [u8; 18] = [0, 30, 0, 18, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+/// Subfield 40 of 246 bytes: a name.
+const IF_CONF_NOS_DEFAULT: [u8; 246] = {
+    let mut bytes = [0; 246];
+    bytes[1] = 40;
+    bytes[3] = 246;
     bytes
 };
 
@@ -354,6 +365,27 @@ const STRUCTURES: &[Structure] = &[
             ("TLSServerCertRef", One(Elementary::Udint)), ("TLSClientCertRef", One(Elementary::Udint)),
         ],
         default: &[],
+    },
+    Structure {
+        name: "IF_CONF_Header",
+        members: &[("FieldType", One(Elementary::Uint)), ("FieldId", One(Elementary::Uint)), ("SubfieldCount", One(Elementary::Uint))],
+        default: &[],
+    },
+    Structure {
+        name: "IF_CONF_V4",
+        members: &[
+            ("Id", One(Elementary::Uint)), ("Length", One(Elementary::Uint)), ("Mode", One(Elementary::Uint)),
+            ("InterfaceAddress", Part::Structure("IP_V4")), ("SubnetMask", Part::Structure("IP_V4")),
+            ("DefaultRouter", Part::Structure("IP_V4")),
+        ],
+        default: &IF_CONF_V4_DEFAULT,
+    },
+    Structure {
+        name: "IF_CONF_NOS",
+        members: &[
+            ("Id", One(Elementary::Uint)), ("Length", One(Elementary::Uint)), ("Mode", One(Elementary::Uint)), ("NOS", Bytes(240)),
+        ],
+        default: &IF_CONF_NOS_DEFAULT,
     },
     Structure { name: "EMAIL_ADDR", members: &[("LocalPartPlusAtSign", Text(64)), ("FullQualifiedDomainName", Text(254))], default: &[] },
     Structure {
