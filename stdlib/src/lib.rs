@@ -53,6 +53,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Scl, include_str!("../scl/classic_connections.scl")),
     (Language::Scl, include_str!("../scl/s7_connections.scl")),
     (Language::Scl, include_str!("../scl/hardware.scl")),
+    (Language::Scl, include_str!("../scl/web.scl")),
     (Language::Scl, include_str!("../scl/opcua_methods.scl")),
     (Language::Scl, include_str!("../scl/modbus.scl")),
     (Language::Scl, include_str!("../scl/modbus_serial.scl")),
