@@ -8,6 +8,7 @@
 //! | `INT_TO_STRING(i)` | without sign and blanks, with a function of the library |
 //! | `BCD_TO_INT(w)`, `WORD_BCD_TO_UINT(w)` | all digits count, with a function of the library |
 //! | `TIME_TO_INT(t)` | milliseconds; in editors that compile with MATIEC seconds |
+//! | `WORD_TO_REAL(w)`, `REAL_TO_WORD(r)` | a bit string is a number without sign; SCL keeps the bits of a DWORD or LWORD, and has no others |
 //! | `DATE_TO_DINT(d)`, `SUB_DT_DT(a, b)` | seconds since 1970, differences as TIME: see `dates` |
 //!
 //! Functions with the same name and meaning in SCL are not changed. Source: IEC 61131-3, standard functions and function blocks.
@@ -283,6 +284,21 @@ fn conversion(
             return None;
         }
         ("BOOL", "STRING") => make.call("IEC_BOOL_TO_STRING", value).kind,
+        ("BOOL", to) if is(FLOATS, to) => make.convert("INT", to, make.call("BOOL_TO_INT", value)).kind,
+        (from, to) if is(BIT_STRINGS, from) && is(FLOATS, to) => {
+            if let Some(warning) = keeps_bits(editor, make, (from, to), upper) {
+                tell(warning);
+            }
+            let number = unsigned(from);
+            make.convert(number, to, make.call(&format!("{from}_TO_{number}"), value)).kind
+        }
+        (from, to) if is(FLOATS, from) && is(BIT_STRINGS, to) => {
+            if let Some(warning) = keeps_bits(editor, make, (to, from), upper) {
+                tell(warning);
+            }
+            let number = unsigned(to);
+            make.convert(number, to, make.call(&format!("{from}_TO_{number}"), value)).kind
+        }
         ("TIME", to) if is(INTEGERS, to) || is(FLOATS, to) || is(BIT_STRINGS, to) => {
             let milliseconds = make.call("TIME_TO_DINT", value);
             if editor == Editor::Matiec && !is(BIT_STRINGS, to) {
@@ -316,6 +332,26 @@ fn conversion(
         _ => return None,
     };
     Some(kind)
+}
+
+/// The integer with as many bits as a bit string.
+fn unsigned(bits: &str) -> &'static str {
+    match bits {
+        "BYTE" => "USINT",
+        "WORD" => "UINT",
+        "DWORD" => "UDINT",
+        _ => "ULINT",
+    }
+}
+
+/// The warning that editors differ: whether a bit string and a float of the same length have the same value or the same bits.
+fn keeps_bits(editor: Editor, make: &Make, lengths: (&str, &str), name: &str) -> Option<Diagnostic> {
+    if editor == Editor::Codesys || !matches!(lengths, ("DWORD", "REAL") | ("LWORD", "LREAL")) {
+        return None;
+    }
+    let text = format!("`{name}` converts the value in this editor, and keeps the bits in others");
+    let message = Diagnostic::new(Code::Tolerated, make.name, text).label("read as a number without sign");
+    Some(message.help("convert through UDINT or ULINT: that means the same everywhere"))
 }
 
 fn seconds(make: &Make, name: &str) -> Diagnostic {
