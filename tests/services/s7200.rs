@@ -21,11 +21,17 @@ const IDENTIFICATION: [u8; 33] = [
     0x11, 0, 0,
 ];
 
-/// Writes AQW0.
-const WRITE_AQ: [u8; 37] = [
-    3, 0, 0, 37, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 6, 0, 14, 0, 6, 5, 1, 0x12, 10, 0x10, 4, 0, 1, 0, 0, 0x07, 0, 0, 0,
-    0, 4, 0, 16, 0x12, 0x34,
-];
+/// A job that writes one word of an area.
+fn write(area: u8, byte: u16) -> [u8; 37] {
+    let [high, low] = (8 * byte).to_be_bytes();
+    [
+        3, 0, 0, 37, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 6, 0, 14, 0, 6, 5, 1, 0x12, 10, 0x10, 4, 0, 1, 0, 0, area, 0,
+        high, low, 0, 4, 0, 16, 0x12, 0x34,
+    ]
+}
+
+const AQ: u8 = 0x07;
+const SM: u8 = 0x05;
 
 const STOP: [u8; 33] = [
     3, 0, 0, 33, 2, 0xF0, 0x80, 0x32, 1, 0, 0, 0, 7, 0, 16, 0, 0, 0x29, 0, 0, 0, 0, 0, 9, b'P', b'_', b'P', b'R', b'O',
@@ -73,10 +79,14 @@ pub fn areas() -> Result<(), Failed> {
         return Err(format!("the identification is {answer:02X?}").into());
     }
     // In STOP nobody writes analog outputs.
-    asks(port, &[CONNECT, SETUP, &WRITE_AQ]).and_then(|answer| code(&answer, 0xFF))?;
+    asks(port, &[CONNECT, SETUP, &write(AQ, 0)]).and_then(|answer| code(&answer, 0xFF))?;
     asks(port, &[CONNECT, SETUP, &STOP])?;
     std::thread::sleep(std::time::Duration::from_millis(200));
-    asks(port, &[CONNECT, SETUP, &WRITE_AQ]).and_then(|answer| code(&answer, 3))?;
+    asks(port, &[CONNECT, SETUP, &write(AQ, 0)]).and_then(|answer| code(&answer, 3))?;
+    // SMB0 to SMB29 are read-only.
+    for (byte, expected) in [(0, 3), (28, 3), (29, 3), (32, 0xFF)] {
+        asks(port, &[CONNECT, SETUP, &write(SM, byte)]).and_then(|answer| code(&answer, expected))?;
+    }
     plc.end().map(drop)
 }
 

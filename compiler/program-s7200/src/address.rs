@@ -10,9 +10,6 @@ use plcc_syntax::s7200::ast::{Area, Direct};
 use super::Binder;
 use plcc_model::profile;
 
-/// Only the CPU writes SMB0 to SMB29.
-pub const SM_READ_ONLY_BYTES: u32 = 30;
-
 /// An address as written.
 pub fn text(direct: Direct) -> String {
     let Direct { area, width, number, bit } = direct;

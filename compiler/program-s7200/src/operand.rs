@@ -1,13 +1,13 @@
 //! Operands of instructions: whether the class of the instruction table accepts them, and their bound form.
 
-use plcc_abi::s7200::pointer;
+use plcc_abi::s7200::{pointer, system};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::OperandClass;
 use plcc_syntax::s7200::ast::{self, Area, Constant, Direct};
 
 use super::Binder;
-use super::address::{self, SM_READ_ONLY_BYTES};
+use super::address;
 use super::constant::Target;
 use super::interface::Locals;
 use super::settle::Settled;
@@ -236,7 +236,7 @@ impl Binder<'_> {
             return self.other_width(class, direct, width, span);
         }
         self.check_range(direct, width, 1, span)?;
-        if shape.write && direct.area == Area::Sm && direct.number < SM_READ_ONLY_BYTES {
+        if shape.write && direct.area == Area::Sm && direct.number < system::SM_READ_ONLY_BYTES {
             return self.protected(direct, "SMB0 to SMB29 can only be read", span);
         }
         Some(place(direct, width))

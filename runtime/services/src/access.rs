@@ -229,6 +229,7 @@ impl Plc for Access<'_> {
             Area::Timers | Area::Counters => return self.write_cells(place, data),
             Area::SystemInfo | Area::AnalogInputs => return Err(ItemError::NotAllowed),
             Area::Db(number) if self.0.is_read_only(number) => return Err(ItemError::NotAllowed),
+            Area::SpecialMemory if place.start < system::SM_READ_ONLY_BYTES => return Err(ItemError::NotAllowed),
             // Outputs are disabled then.
             Area::AnalogOutputs if self.0.is_stopped() => return Err(ItemError::NotAllowed),
             Area::Peripheral => {

@@ -33,6 +33,8 @@ pub mod system {
     /// Special memory, SMB0 to SMB549.
     pub const SM: u32 = 0;
     pub const SM_BYTES: u32 = 550;
+    /// SMB0 to SMB29, which the CPU alone sets. Source: S7-200 system manual, memory ranges.
+    pub const SM_READ_ONLY_BYTES: u32 = 30;
     /// Sequence control relays, SB0 to SB31.
     pub const S: u32 = 0x400;
     pub const S_BYTES: u32 = 32;

@@ -3,6 +3,7 @@
 use plcc_abi::layout;
 use plcc_abi::s7200::{ACCUMULATORS, ANALOG_ADDRESS, V_DB, system};
 
+use super::special::POTENTIOMETERS;
 use super::{analog, special};
 use crate::address::{Address, Bits, Place, Width, digits, offset, state_of_counter, state_of_timer};
 use crate::cpu::Cpu;
@@ -86,6 +87,10 @@ impl Part {
             Part::TimerBit => Err(state_of_timer(number)),
             Part::CounterBit => Err(state_of_counter(number)),
             Part::HighSpeedCounter => Err("a high-speed counter is set by its inputs".to_string()),
+            // Somebody may turn the potentiometers.
+            Part::SpecialMemory if number < POTENTIOMETERS => {
+                Err(format!("SMB0 to SMB{} are set by the CPU alone", POTENTIOMETERS - 1))
+            }
             Part::TimerValue
             | Part::CounterValue
             | Part::SpecialMemory

@@ -35,7 +35,8 @@ const MODULES_MAX: usize = 7;
 const ABSENT: u8 = 0x80;
 const ANALOG: u8 = 0x10;
 const SCAN_TIMES: u32 = 22;
-const POTENTIOMETERS: u32 = 28;
+/// The analog potentiometers, of which there are two.
+pub(super) const POTENTIOMETERS: u32 = 28;
 /// Control bytes of the ports.
 const PORT_CONTROLS: [u32; 2] = [30, 130];
 /// Control of saving to permanent memory, and the offset in V.

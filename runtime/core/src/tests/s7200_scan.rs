@@ -249,7 +249,7 @@ fn values_from_outside() {
     cpu.memory.set_byte(SM + system::TIMER_BITS + 37, 1);
     cpu.memory.set_word(SM + system::COUNTER_VALUES + 100, 50);
     assert_eq!((read("T37"), read("T37.VALUE"), read("C50"), read("Z50.VALUE")), (1, 12, 0, 50));
-    for name in ["T37", "C50", "HC0"] {
+    for name in ["T37", "C50", "HC0", "SM0.1", "SMW26"] {
         assert!(set(name, "0").unwrap_err().contains("set"), "{name}");
     }
     assert_eq!((set("T37.VALUE", "20"), set("C50.VALUE", "-3")), (Ok(()), Ok(())));
