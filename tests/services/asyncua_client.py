@@ -436,8 +436,10 @@ async def s7200():
 
         assert await names("Timers") == ["T37", "T37.VALUE"], await names("Timers")
         assert await names("Counters") == ["C5", "C5.VALUE"], await names("Counters")
-        assert await names("Memory") == ["V10.3", "VW100"], await names("Memory")
-        assert await names("Outputs") == ["Q0.0"], await names("Outputs")
+        memory = ["S0.1", "SM0.5", "SMB31", "V10.3", "VW100"]
+        assert await names("Memory") == memory, await names("Memory")
+        assert await names("Inputs") == ["AIW2", "IB0"], await names("Inputs")
+        assert await names("Outputs") == ["AQW0", "Q0.0", "Q0.1"], await names("Outputs")
         value = await plc.get_child(["3:Memory", "3:VW100"])
         await value.write_value(77, V.UInt16)
         assert await value.read_value() == 77

@@ -90,7 +90,7 @@ pub fn areas() -> Result<(), Failed> {
     plc.end().map(drop)
 }
 
-/// What a client of OPC UA finds when it browses: V memory, and timers and counters in their folders.
+/// What a client of OPC UA finds when it browses: all that the program names, timers and counters in their folders.
 pub fn browsing() -> Result<(), Failed> {
     let (folder, port) = (tempfile::tempdir()?, free_port().to_string());
     let (source, out) = (folder.path().join("main.awl"), folder.path().join("s7200"));
@@ -99,7 +99,8 @@ pub fn browsing() -> Result<(), Failed> {
         "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n\
          NETWORK 1\nLD V10.3\n= Q0.0\nTON T37, 100\n\
          NETWORK 2\nLD V10.3\nLD V10.3\nCTU C5, 10\n\
-         NETWORK 3\nLD V10.3\nMOVW 5, VW100\nEND_ORGANIZATION_BLOCK\n",
+         NETWORK 3\nLD V10.3\nMOVW 5, VW100\nMOVW AIW2, AQW0\n\
+         NETWORK 4\nLD SM0.5\nA S0.1\nMOVB 4, SMB31\nLDI I0.3\n=I Q0.1\nEND_ORGANIZATION_BLOCK\n",
     )?;
     process::plcc(&["build", "--quiet", "--services", "--cpu", "224XP"], &[&source], &out)?;
     let plc = Plc::run_in(folder.path(), &out, &["--opcua", &port])?;

@@ -6,6 +6,7 @@ use plcc_model::types::DataType;
 use plcc_runtime::address::Place;
 use plcc_runtime::clock::NS_PER_MS;
 use plcc_runtime::names;
+use plcc_runtime::s7200::Part;
 use plcc_runtime::signal::Source;
 use serde_json::{Value, json};
 
@@ -115,8 +116,12 @@ impl Group {
             Group::Formals(_) => local(here.formals()),
             Group::Temporaries(_) => local(here.temporaries()),
             Group::Instance(_) => local(here.instance()),
-            Group::Inputs => of_image(|place| matches!(place, Place::Input(_) | Place::PeripheralInput(_))),
-            Group::Outputs => of_image(|place| matches!(place, Place::Output(_) | Place::PeripheralOutput(_))),
+            Group::Inputs => of_image(|place| {
+                matches!(place, Place::Input(_) | Place::PeripheralInput(_) | Place::S7200(Part::AnalogInput, _))
+            }),
+            Group::Outputs => of_image(|place| {
+                matches!(place, Place::Output(_) | Place::PeripheralOutput(_) | Place::S7200(Part::AnalogOutput, _))
+            }),
             Group::BitMemory => of_image(|place| matches!(place, Place::BitMemory(_))),
             Group::Dbs if here.program.s7200.is_some() => of_image(|place| matches!(place, Place::Db(..))),
             Group::Dbs => (0..here.program.dbs.len()).map(|index| db_row(here, index)).collect(),

@@ -326,7 +326,7 @@ impl<'s> Output<'s> {
     }
 
     fn finish(mut self) -> Lowered {
-        self.image.used = self.used.finish();
+        self.image.used = self.used.finish(self.image.profile.family);
         self.image.files = self.module.files.clone();
         self.image.sites = self.module.sites.clone();
         Lowered { module: self.module, image: self.image, probes: self.probes.places.unwrap_or_default() }

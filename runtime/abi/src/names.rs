@@ -78,6 +78,14 @@ pub enum UsedArea {
     Timer,
     Counter,
     Db(u16),
+    PeripheralInput,
+    PeripheralOutput,
+    /// Of an S7-200.
+    AnalogInput,
+    AnalogOutput,
+    SpecialMemory,
+    Relays,
+    HighSpeedCounter,
 }
 
 /// Marks the number of a structure or an array in a VARIANT.

@@ -185,7 +185,7 @@ fn a_signal_ends_an_endless_startup() {
 }
 
 #[test]
-fn a_trace_has_timers_and_counters() {
+fn a_trace_has_timers_counters_and_what_is_not_in_an_image() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let stl = "      A     I 0.0\n      L     S5T#2s\n      SD    T 5\n      A     I 0.1\n      CU    C 3\n";
@@ -194,10 +194,15 @@ fn a_trace_has_timers_and_counters() {
     let scl = "DATA_BLOCK \"G\"\nSTRUCT\n  t : TON_TIME;\n  c : CTU_INT;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n\
                ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  \"G\".t(IN := %I0.0, PT := T#1s);\n  \
                \"G\".c(CU := %I0.1, R := FALSE, PV := 3);\nEND_ORGANIZATION_BLOCK\n";
+    let direct = "      L     PIW 256\n      T     PQW 256\n";
+    let special = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nLD SM0.5\nA S0.1\nMOVW AIW0, AQW0\nMOVB 4, SMB31\n\
+                   MOVD HC1, VD0\nEND_ORGANIZATION_BLOCK\n";
     for (file, cpu, source, columns) in [
         ("t.stl", "315-2DP", stl, &["I0.0", "I0.1", "T5", "T5.VALUE", "C3", "C3.VALUE"][..]),
         ("t.awl", "CPU 224", awl, &["Q0.0", "T37", "T37.VALUE", "C5", "C5.VALUE"]),
         ("t.scl", "1214C", scl, &["I0.0", "G.t.IN", "G.t.ET", "G.t.PT", "G.c.CU", "G.c.CV", "G.c.PV"]),
+        ("direct.stl", "315-2DP", direct, &["PIW256", "PQW256"]),
+        ("special.awl", "CPU 224", special, &["SM0.5", "S0.1", "AIW0", "AQW0", "SMB31", "HC1", "VD0"]),
     ] {
         std::fs::write(folder.join(file), source).expect("the folder can be written");
         let flags = ["run", file, "--cpu", cpu, "--cycles", "2", "--clock", "virtual", "--quiet", "--trace", "t.csv"];

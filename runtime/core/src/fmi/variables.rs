@@ -240,7 +240,7 @@ fn role(place: Place) -> Role {
 }
 
 /// A simulator sets all inputs, one after the other: of two that share a bit the later one would win. So the narrower is the input, and
-/// the other one shows what the CPU has read; an analog channel in its unit goes before its word.
+/// the other one shows what the CPU has read; an analog channel in its unit goes before its word, a tag before a direct access to the module.
 fn one_input_a_bit(variables: &mut [Variable]) {
     let place = |variable: &Variable| {
         let address = *variable.source.as_ref()?.address()?;
@@ -259,8 +259,11 @@ fn one_input_a_bit(variables: &mut [Variable]) {
         .filter(|&index| variables[index].role == Role::Input && variables[index].settable)
         .collect();
     order.sort_by_key(|&index| {
-        let is_channel = matches!(variables[index].source, Some(Source::Channel(..)));
-        (place(&variables[index]).map_or(0, |(_, bits)| bits.len()), !is_channel)
+        let source = variables[index].source.as_ref();
+        let is_channel = matches!(source, Some(Source::Channel(..)));
+        let address = source.and_then(Source::address);
+        let is_direct = address.is_some_and(|address| matches!(address.place, Place::PeripheralInput(_)));
+        (is_direct && !is_channel, place(&variables[index]).map_or(0, |(_, bits)| bits.len()), !is_channel)
     });
     let mut taken: HashSet<(u8, u32)> = HashSet::new();
     for index in order {

@@ -111,6 +111,13 @@ impl Finder<'_> {
             UsedArea::Counter => ("C".to_string(), Place::Counter(used.byte)),
             UsedArea::Db(V_DB) if is_s7200 => ("V".to_string(), Place::Db(V_DB, used.byte)),
             UsedArea::Db(number) => (format!("DB{number}.DB"), Place::Db(number, used.byte)),
+            UsedArea::PeripheralInput => ("PI".to_string(), Place::PeripheralInput(used.byte)),
+            UsedArea::PeripheralOutput => ("PQ".to_string(), Place::PeripheralOutput(used.byte)),
+            UsedArea::AnalogInput => ("AI".to_string(), Place::S7200(S7200Part::AnalogInput, used.byte)),
+            UsedArea::AnalogOutput => ("AQ".to_string(), Place::S7200(S7200Part::AnalogOutput, used.byte)),
+            UsedArea::SpecialMemory => ("SM".to_string(), Place::S7200(S7200Part::SpecialMemory, used.byte)),
+            UsedArea::Relays => ("S".to_string(), Place::S7200(S7200Part::Relays, used.byte)),
+            UsedArea::HighSpeedCounter => ("HC".to_string(), Place::S7200(S7200Part::HighSpeedCounter, used.byte)),
         };
         let (width, size) = match used.bits {
             1 => (Width::Bit(used.bit), ""),
@@ -139,7 +146,7 @@ impl Finder<'_> {
             }
         }
         let name = match (used.area, bit) {
-            (UsedArea::Timer | UsedArea::Counter, _) => format!("{letter}{}", used.byte),
+            (UsedArea::Timer | UsedArea::Counter | UsedArea::HighSpeedCounter, _) => format!("{letter}{}", used.byte),
             (_, Some(bit)) if letter.ends_with("DB") => format!("{letter}X{}.{bit}", used.byte),
             (_, Some(bit)) => format!("{letter}{}.{bit}", used.byte),
             (_, None) => format!("{letter}{size}{}", used.byte),
