@@ -61,6 +61,11 @@ impl Family {
     pub const fn is_portal(self) -> bool {
         matches!(self, Family::S71200 | Family::S71500)
     }
+
+    /// Its CPUs have a cold restart. Source: CPU manuals of S7-1200 and S7-1500, whose only startup is the warm restart; S7-200 system manual.
+    pub const fn has_cold_restart(self) -> bool {
+        matches!(self, Family::S7300 | Family::S7400)
+    }
 }
 
 /// Limits and properties of a CPU. Sizes in bytes.

@@ -65,7 +65,7 @@ impl Cpu {
     pub fn request_restart(&self, kind: Restart) -> bool {
         let possible = match kind {
             Restart::Warm => true,
-            Restart::Cold => self.image.profile.family != Family::S7200,
+            Restart::Cold => self.image.profile.family.has_cold_restart(),
             Restart::Hot | Restart::Reset => false,
         };
         if possible {

@@ -126,6 +126,18 @@ fn wrong_flags_are_usage_errors() {
 }
 
 #[test]
+fn a_cold_restart_is_refused_where_the_cpu_has_none() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let main = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %Q0.0 := %I0.0;\nEND_ORGANIZATION_BLOCK\n";
+    std::fs::write(folder.path().join("main.scl"), main).expect("the folder can be written");
+    let flags = ["run", "main.scl", "--cpu", "1214C", "--cycles", "1", "--restart", "cold"];
+    let output = command(PLCC, folder.path(), &flags);
+    assert_eq!(output.status.code(), Some(2));
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(errors.contains("--restart cold: an S7-1200/1500 has no cold restart; --restart reset"), "{errors}");
+}
+
+#[test]
 fn an_executable_without_services_says_how_it_gets_them() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     build(folder.path(), "      NOP   0\n");

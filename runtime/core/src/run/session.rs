@@ -130,6 +130,10 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
         return Err("--restart hot: only a CPU of the S7-400 has hot restarts; write --restart warm, or leave it out"
             .to_string());
     }
+    if options.restart == Some(Restart::Cold) && cpu.image.profile.family.is_portal() {
+        let other = "--restart reset gives retentive data their start values once";
+        return Err(format!("--restart cold: an S7-1200/1500 has no cold restart; {other}"));
+    }
     cpu.check_retentive_file()?;
     let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(out, options.json);

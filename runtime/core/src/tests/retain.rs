@@ -449,9 +449,13 @@ fn run_time_meters_stand_still_in_stop() {
 
 #[test]
 fn only_some_restarts_can_be_asked_for() {
-    let cpu = with(&file("asked"), nothing(), |_| {});
-    assert!(!cpu.request_restart(Restart::Hot) && !cpu.request_restart(Restart::Reset));
-    assert!(cpu.request_restart(Restart::Cold) && cpu.request_restart(Restart::Warm));
+    for (family, has_cold) in
+        [(Family::S7300, true), (Family::S7400, true), (Family::S71200, false), (Family::S71500, false)]
+    {
+        let cpu = with(&file("asked"), nothing(), |image| image.profile.family = family);
+        assert!(!cpu.request_restart(Restart::Hot) && !cpu.request_restart(Restart::Reset));
+        assert_eq!((cpu.request_restart(Restart::Cold), cpu.request_restart(Restart::Warm)), (has_cold, true));
+    }
 }
 
 /// Also for a process that ends before the CPU was started again.

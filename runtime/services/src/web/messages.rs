@@ -148,6 +148,8 @@ pub struct Hello {
     pub force_modules: bool,
     /// What it forces, in words.
     pub force_areas: &'static str,
+    /// It has a cold restart besides the warm one.
+    pub has_cold: bool,
     /// It has a memory reset.
     pub has_reset: bool,
 }

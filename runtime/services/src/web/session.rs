@@ -211,6 +211,7 @@ fn hello(cpu: &Cpu, user: String, may: May) -> Hello {
             Family::S7400 => "I, Q, PI, PQ and M; at most",
             Family::S71200 | Family::S71500 => "inputs and outputs at their modules; at most",
         },
+        has_cold: family.has_cold_restart(),
         has_reset: family != Family::S7200,
     }
 }

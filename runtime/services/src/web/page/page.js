@@ -101,6 +101,7 @@ function hello(it) {
   document.body.classList.toggle("operate", it.role !== "look");
   document.body.classList.toggle("change", it.role === "change");
   $("orders").hidden = it.role !== "change";
+  $("restart").hidden = !it.has_cold;
   table.job(0);
   table.learn();
 }

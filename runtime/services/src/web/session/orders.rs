@@ -127,7 +127,7 @@ fn run(cpu: &Cpu, restart: &str) -> Result<(), String> {
     }
     match cpu.request_restart(kind) {
         true => Ok(()),
-        false => Err(format!("a {restart} restart is not possible")),
+        false => Err(format!("this CPU has no {restart} restart")),
     }
 }
 
