@@ -97,6 +97,8 @@ pub(crate) struct Items {
 pub(crate) struct Loaded {
     /// Data blocks that begin with their start values, because they are others than those that were kept.
     pub changed: Vec<u16>,
+    /// Data blocks that were kept and are not in the program, as messages name them.
+    pub gone: Vec<String>,
     /// All that is kept came back.
     pub complete: bool,
 }
@@ -226,7 +228,8 @@ impl Items {
             return Err(Refused::Program(String::from_utf8_lossy(name).into_owned()));
         }
         let kept = parts(rest).ok_or(Refused::Damaged)?;
-        let mut loaded = Loaded { changed: Vec::new(), complete: head[0] == u8::from(self.everything) };
+        let is_alike = head[0] == u8::from(self.everything);
+        let mut loaded = Loaded { changed: Vec::new(), gone: Vec::new(), complete: is_alike };
         let find = |item: &Item| kept.iter().find(|part| part.is_of(item));
         if self.everything
             && !(loaded.complete && self.items.iter().all(|item| find(item).is_some_and(|part| part.fits(item))))
@@ -240,6 +243,10 @@ impl Items {
                 Some(_) => loaded.changed.extend(matches!(item.kind, Kind::Db | Kind::NamedDb).then_some(item.number)),
                 None => {}
             }
+        }
+        // What was kept for a hot restart is not retentive, as far as it is more.
+        if is_alike {
+            loaded.gone = kept.iter().filter_map(|part| part.gone(&cpu.image.dbs)).collect();
         }
         let counted = head[TIME].try_into().map_or(0, u64::from_le_bytes);
         cpu.clock.count_from(counted);
@@ -268,6 +275,16 @@ impl Part<'_> {
 
     fn fits(&self, item: &Item) -> bool {
         self.signature == item.signature
+    }
+
+    /// The data block that it is of, if that is not among those of the program.
+    fn gone(&self, dbs: &[DbEntry]) -> Option<String> {
+        if self.kind == Kind::NamedDb as u8 {
+            let is_there = dbs.iter().any(|db| db.name.to_lowercase().as_bytes() == self.name);
+            return (!is_there).then(|| format!("\"{}\"", String::from_utf8_lossy(self.name)));
+        }
+        let is_there = self.kind != Kind::Db as u8 || dbs.iter().any(|db| db.number == self.number);
+        (!is_there).then(|| format!("DB {}", self.number))
     }
 }
 

@@ -81,6 +81,17 @@ fn open(path: &Path) -> Result<Opened, Fault> {
     }
 }
 
+/// Names for a message; `None`: there are none.
+fn listed(names: &[String]) -> Option<String> {
+    /// Others are counted only.
+    const NAMES_MAX: usize = 10;
+    match names {
+        [] => None,
+        _ if names.len() <= NAMES_MAX => Some(names.join(", ")),
+        _ => Some(format!("{} and {} more", names[..NAMES_MAX].join(", "), names.len() - NAMES_MAX)),
+    }
+}
+
 /// A message to the user; a closed standard error changes nothing.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "runtime: {text}");
@@ -207,7 +218,8 @@ impl Cpu {
 
     fn note_loaded(&self, file: &Path, loaded: &Loaded) -> Restored {
         let path = file.display();
-        let kept = if loaded.changed.is_empty() { String::new() } else { keep_before(file) };
+        let is_lost = !loaded.changed.is_empty() || !loaded.gone.is_empty();
+        let kept = if is_lost { keep_before(file) } else { String::new() };
         for &number in &loaded.changed {
             let name = self.image.dbs.iter().find(|db| db.number == number).map_or("", |db| db.name.as_str());
             let named = if name.is_empty() { String::new() } else { format!(" \"{name}\"") };
@@ -220,6 +232,9 @@ impl Cpu {
                 _ => say(&format!("DB {number}{named} {why} {path}{kept}")),
             }
             self.log(diagnostics::RETAIN_CHANGED, NO_SITE, number.into());
+        }
+        if let Some(names) = listed(&loaded.gone) {
+            say(&format!("{path} has values of {names}, which the program does not have: they go{kept}"));
         }
         if self.startup.get() == HOT && !loaded.complete {
             self.refuse_hot_restart("the program has changed, or its state was kept for a warm restart");

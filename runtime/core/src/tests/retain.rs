@@ -13,6 +13,7 @@ use crate::cpu::Cpu;
 use crate::events::StartInfo;
 use crate::options::{Restart, RunOptions};
 use crate::restart::retained;
+use crate::retain::Items;
 use crate::timers;
 use plcc_abi::functions::TimerMode;
 
@@ -229,6 +230,29 @@ fn data_blocks_with_names_are_found_by_them() {
     let cpu = with(&path, nothing(), |image| named(image, ["New", "first"]));
     run(&cpu, 1);
     assert_eq!(words(&cpu)[4..], [7, 100]);
+}
+
+#[test]
+fn values_of_data_blocks_that_are_gone_are_not_lost_in_silence() {
+    let path = file("gone");
+    let two = |image: &mut ProgramImage| image.dbs[1].kept = Kept::Everything;
+    let before = with(&path, nothing(), two);
+    let mut content = Vec::new();
+    Items::of(&before, false).collect(&before, &mut content);
+    drop(before);
+    leave(&path, two);
+    let old = path.with_file_name("retain.old");
+    for (change, gone, is_kept) in [
+        // It is no longer retentive, as somebody wanted.
+        ((|_| {}) as fn(&mut ProgramImage), &[][..], false),
+        (|image| drop(image.dbs.pop()), &["DB 2"], true),
+    ] {
+        let cpu = with(&path, nothing(), change);
+        assert_eq!(Items::of(&cpu, false).load(&cpu, &content).unwrap().gone, gone);
+        assert_eq!(found(&path, change)[4], 100);
+        assert_eq!(old.exists(), is_kept);
+        leave(&path, two);
+    }
 }
 
 #[test]
