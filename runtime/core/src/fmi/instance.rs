@@ -169,11 +169,14 @@ impl Instance {
         let failed = |message: String| format!("{name}: {message}");
         let (Some(source), true) = (variable.source, variable.settable) else {
             let why = match (variable.role, &variable.source) {
-                (Role::Output, _) => "the CPU sets it",
-                (_, None) => "it shows the CPU",
-                _ => "timers, counters, write-protected data blocks and views of inputs cannot be set",
+                (Role::Output, _) => "the CPU sets it".to_string(),
+                (_, None) => "it shows the CPU".to_string(),
+                (_, Some(source)) => source.check_settable().err().unwrap_or_else(|| {
+                    "write-protected data blocks, and views of inputs that other variables set, cannot be set"
+                        .to_string()
+                }),
             };
-            return Err(failed(why.to_string()));
+            return Err(failed(why));
         };
         let value = self.value(&source, variable.kind, value).map_err(failed)?;
         source.write(&self.cpu, &value).map_err(failed)?;
