@@ -281,8 +281,14 @@ impl Reader {
         let mut users: Vec<User> = Vec::new();
         for key in keys {
             let name = key.name.get_ref();
-            if name.is_empty() || users.iter().any(|user| user.name == *name) {
-                self.report(&key.name, format!("`{name}` is not the name of another user"), "give each user a name");
+            let wrong = match name.is_empty() {
+                true => Some("a user without a name".to_string()),
+                false => {
+                    users.iter().any(|user| user.name == *name).then(|| format!("two users have the name `{name}`"))
+                }
+            };
+            if let Some(title) = wrong {
+                self.report(&key.name, title, "give each user another name");
                 continue;
             }
             if let Some(password) = self.hash(&key.password, "plcc password --user") {
@@ -375,6 +381,16 @@ mod tests {
         assert_eq!(read.clients, [Client { address: "10.0.0.0/8".to_string(), right: Right::Control }]);
         assert_eq!((read.registers.coils.as_str(), read.registers.holding_registers.as_str()), ("Q0.0", "DB1.DBW0"));
         assert!(!config("name = \"a\"\n").0.linked);
+    }
+
+    #[test]
+    fn users_have_names_of_their_own() {
+        let hash = password::hash("secret").unwrap();
+        let user =
+            |name: &str| format!("[[services.user]]\nname = \"{name}\"\nrole = \"look\"\npassword = \"{hash}\"\n");
+        let (read, messages) = config(&["[services]\n", &user("anna"), &user("anna"), &user("")].concat());
+        assert_eq!(messages, ["two users have the name `anna`", "a user without a name"]);
+        assert_eq!(read.users.len(), 1);
     }
 
     #[test]
