@@ -52,6 +52,7 @@ fn main() {
         trial("watch_table_and_forcing_in_chromium", chromium().err(), watch_table),
         trial("s7_of_rust7", None, rust7::talk),
         trial("s7_areas_of_an_s7_200", None, s7200::areas),
+        trial("s7_limits_of_an_s7_200", None, s7200::limits),
         trial("modbus_registers_of_an_s7_200", None, s7200::registers),
         trial("values_reach_a_broker", mosquitto(), process::values_reach_a_broker),
         trial("values_reach_a_broker_with_tls", broker_and_openssl, tls::broker),

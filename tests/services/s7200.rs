@@ -90,6 +90,31 @@ pub fn areas() -> Result<(), Failed> {
     plc.end().map(drop)
 }
 
+/// A CPU has no more than its own timers. Source: S7-200 system manual, memory ranges.
+pub fn limits() -> Result<(), Failed> {
+    let (folder, port) = (tempfile::tempdir()?, free_port());
+    let (source, out) = (folder.path().join("main.awl"), folder.path().join("s7200"));
+    std::fs::write(
+        &source,
+        "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD SM0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n",
+    )?;
+    process::plcc(&["build", "--quiet", "--services", "--cpu", "212"], &[&source], &out)?;
+    let plc = Plc::run(&out, &["--s7", &port.to_string()])?;
+    // T63, T64, C63, C64 as words.
+    for (area, number, expected) in [
+        (0x1F, 63, &[0xFF, 4, 0, 16, 0, 0][..]),
+        (0x1F, 64, &[5, 0, 0, 0]),
+        (0x1E, 63, &[0xFF, 4, 0, 16, 0, 0]),
+        (0x1E, 64, &[5, 0, 0, 0]),
+    ] {
+        let answer = asks(port, &[CONNECT, SETUP, &read([4, 1, area, number])])?;
+        if !answer.ends_with(expected) {
+            return Err(format!("{number} of area {area:02X} is answered with {answer:02X?}").into());
+        }
+    }
+    plc.end().map(drop)
+}
+
 /// What a client of OPC UA finds when it browses: all that the program names, timers and counters in their folders.
 pub fn browsing() -> Result<(), Failed> {
     let (folder, port) = (tempfile::tempdir()?, free_port().to_string());

@@ -24,6 +24,7 @@ impl Access<'_> {
 
     /// Where an area is in PLC memory. Timers, counters and modules are elsewhere.
     fn range(&self, area: Area) -> Result<Range, ItemError> {
+        let cpu = || self.0.image.s7200.as_ref().map(|own| &own.cpu).ok_or(ItemError::Missing);
         let system = |offset, bytes| Ok((layout::SYSTEM + offset, bytes));
         match area {
             Area::Inputs => Ok(self.0.area(cpu::Area::Inputs)),
@@ -35,9 +36,9 @@ impl Access<'_> {
                 _ if self.0.is_optimized(number) => Err(ItemError::Missing),
                 found => Ok(found),
             },
-            Area::SpecialMemory => system(system::SM, system::SM_BYTES),
-            Area::AnalogInputs => system(system::AI, system::ANALOG_BYTES),
-            Area::AnalogOutputs => system(system::AQ, system::ANALOG_BYTES),
+            Area::SpecialMemory => system(system::SM, cpu()?.sm_bytes.min(system::SM_BYTES)),
+            Area::AnalogInputs => system(system::AI, cpu()?.analog_bytes.min(system::ANALOG_BYTES)),
+            Area::AnalogOutputs => system(system::AQ, cpu()?.analog_bytes.min(system::ANALOG_BYTES)),
             Area::Peripheral | Area::Timers | Area::Counters | Area::SystemInfo => Err(ItemError::Missing),
         }
     }
@@ -58,8 +59,8 @@ impl Access<'_> {
     fn cells(&self, area: Area) -> u32 {
         let profile = &self.0.image.profile;
         match (area, self.is_s7200()) {
-            (Area::Timers, true) => TIMERS,
-            (_, true) => COUNTERS,
+            (Area::Timers, true) => profile.timers.min(TIMERS),
+            (_, true) => profile.counters.min(COUNTERS),
             (Area::Timers, false) => profile.timers,
             (_, false) => profile.counters,
         }
