@@ -1,6 +1,7 @@
 //! The file of retentive memory, also while it cannot be opened, and after somebody has deleted it: each copy tries it again.
 
 use std::fs::File;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -27,6 +28,8 @@ pub(super) struct Opened {
     pub content: Content,
     /// Why it cannot be written.
     pub error: Option<std::io::Error>,
+    /// There may be one that has something, and it cannot be read.
+    pub is_lost: bool,
 }
 
 impl LateFile {
@@ -35,21 +38,19 @@ impl LateFile {
         let looked = Instant::now();
         let file = |slots, is_read| LateFile { path: path.to_path_buf(), slots, is_read, is_replaced: false, looked };
         match Slots::open(path) {
-            Ok((slots, content)) => Ok(Opened { file: file(Some(slots), true), content, error: None }),
+            Ok((slots, content)) => Ok(Opened { file: file(Some(slots), true), content, error: None, is_lost: false }),
             Err(Fault::Host(error)) => match Slots::read(path) {
-                Ok(content) => Ok(Opened { file: file(None, true), content, error: Some(error) }),
-                Err(Fault::Host(_)) => {
-                    Ok(Opened { file: file(None, false), content: Content::Nothing, error: Some(error) })
+                Ok(content) => Ok(Opened { file: file(None, true), content, error: Some(error), is_lost: false }),
+                Err(Fault::Host(unread)) => {
+                    // A folder that is there has no such file; one that is not there may be that of another disk.
+                    let is_absent = unread.kind() == ErrorKind::NotFound && folder_of(path).is_dir();
+                    let (file, content) = (file(None, false), Content::Nothing);
+                    Ok(Opened { file, content, error: Some(error), is_lost: !is_absent })
                 }
                 Err(fault) => Err(fault),
             },
             Err(fault) => Err(fault),
         }
-    }
-
-    /// What the file has was read.
-    pub(super) fn is_read(&self) -> bool {
-        self.is_read
     }
 
     /// As [`Slots::is_short_for`].
@@ -69,7 +70,7 @@ impl LateFile {
 
     /// As [`Slots::disk`].
     pub(super) fn disk(&self) -> std::io::Result<File> {
-        self.slots.as_ref().ok_or(std::io::ErrorKind::NotFound)?.disk()
+        self.slots.as_ref().ok_or(ErrorKind::NotFound)?.disk()
     }
 
     /// Somebody may have taken the file away: what is written to it then is lost when the process ends.
@@ -97,6 +98,10 @@ impl LateFile {
         self.is_read = true;
         Ok(slots)
     }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(test)]

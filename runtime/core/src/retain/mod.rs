@@ -127,7 +127,7 @@ impl Cpu {
             }
             return Restored::NotKept;
         };
-        let Opened { mut file, content, error } = match open(path) {
+        let Opened { mut file, content, error, is_lost } = match open(path) {
             Ok(opened) => opened,
             Err(fault) => {
                 let fault = match fault {
@@ -141,7 +141,7 @@ impl Cpu {
                 return Restored::Lost;
             }
         };
-        if !file.is_read() && !self.is_restarted {
+        if is_lost && !self.is_restarted {
             self.note_lost(&format!("{} cannot be read: all data begins with its start values", path.display()));
         }
         let config = &self.image.config.retain;
