@@ -27,6 +27,8 @@ pub(super) struct Session {
     pub watch: Option<Table>,
     /// The trace of the watch table.
     pub triggered: Option<Triggered>,
+    /// It could not be written.
+    trace_failed: bool,
 }
 
 impl Observer for Session {
@@ -90,7 +92,8 @@ impl Session {
 
     /// Writes what the trace of the watch table has. False: the file cannot be written.
     pub fn end_trace(&mut self, cpu: &Cpu) -> bool {
-        self.triggered.take().is_none_or(|mut trace| tell(trace.finish(cpu)))
+        self.trace_failed |= self.triggered.take().is_some_and(|mut trace| !tell(trace.finish(cpu)));
+        !self.trace_failed
     }
 
     /// The values of `--set`, and what the scenario sets first.
@@ -111,7 +114,7 @@ impl Session {
             self.record(cpu, cycle, time);
         }
         if let Some(trace) = &mut self.triggered {
-            tell(trace.look(cpu));
+            self.trace_failed |= !tell(trace.look(cpu));
         }
     }
 
@@ -161,7 +164,7 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
         }
         None => None,
     };
-    Ok(Session { set, last: 0, player, recorder, printed, watch, triggered })
+    Ok(Session { set, last: 0, player, recorder, printed, watch, triggered, trace_failed: false })
 }
 
 /// Tells what has become of the trace of a watch table. False: it cannot be written.

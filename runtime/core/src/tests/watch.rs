@@ -187,6 +187,12 @@ fn a_trace_waits_for_its_trigger() {
     let (_, all) = traced("csv", "");
     assert_eq!(all.map(|all| all.lines().count()), Some(21), "without a trigger it begins at once");
     assert_eq!(traced("csv", "before = 3\n"), (2, None));
+    // A folder is where the file should be, which shows when all samples are there, or at the end.
+    for more in ["samples = 1\n", ""] {
+        std::fs::create_dir(path("folder.csv")).unwrap();
+        assert_eq!(traced("folder.csv", more), (2, None));
+        std::fs::remove_dir(path("folder.csv")).unwrap();
+    }
 }
 
 #[test]
@@ -195,6 +201,7 @@ fn a_trace_is_of_numbers_and_has_limits() {
     let wrong = |text: &str| Table::parse(&format!("[trace]\n{text}"), &cpu).expect_err(text).1;
     assert!(wrong("file = \"a.txt\"\nsignals = [\"MW10\"]").contains(".csv"));
     assert!(wrong("file = \"a.csv\"\nsignals = []").contains("at least one"));
+    assert!(wrong("file = \"no/such/a.csv\"\nsignals = [\"MW10\"]").contains("there is no folder no/such"));
     assert!(wrong("file = \"a.csv\"\nsignals = [\"ML0\"]").contains("32 bits"));
     assert!(wrong("file = \"a.csv\"\nsignals = [\"MW1\"]\ntrigger = \"MW2\"").contains("one of the signals"));
     assert!(wrong("file = \"a.csv\"\nsignals = [\"MW1\"]\nsamples = 100001").contains("100000"));

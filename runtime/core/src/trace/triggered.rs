@@ -27,9 +27,13 @@ impl Wanted {
         let suffix = self.file.extension().and_then(|suffix| suffix.to_str()).unwrap_or("").to_ascii_lowercase();
         let is_number = |signal: &&Signal| signal.source.shape() != Shape::Text && fits(&signal.source);
         let other = self.signals.iter().find(|signal| !is_number(signal));
+        let folder = self.file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         match () {
             () if !matches!(suffix.as_str(), "csv" | "vcd" | "html") => {
                 Err(format!("`{}` must end in .csv, .vcd or .html", self.file.display()))
+            }
+            () if !folder.is_dir() => {
+                Err(format!("`{}` cannot be written: there is no folder {}", self.file.display(), folder.display()))
             }
             () if self.signals.is_empty() => Err("a trace has at least one signal".to_string()),
             () if self.signals.len() > SIGNALS_MAX => Err(format!("a trace has at most {SIGNALS_MAX} signals")),
