@@ -10,6 +10,7 @@ use plcc_abi::layout::{self, COUNTER_CELL_BYTES};
 use plcc_abi::names::{NamedType, TypeNumber};
 use plcc_abi::s7200::{COUNTERS, V_DB};
 
+use super::numbers;
 use crate::cpu::{Area, Cpu};
 use crate::timers;
 
@@ -431,6 +432,7 @@ impl Signature {
 fn signature_of(db: &DbEntry, types: &[NamedType]) -> u64 {
     let sum = Signature::default().number(db.data.len() as u32);
     let sum = db.ty.map_or(Signature(sum.0), |ty| Signature(sum.0).ty(ty, types));
+    let sum = numbers::numbers(db, types).into_iter().fold(sum, |sum, number| sum.number(number.into()));
     match &db.kept {
         Kept::Nothing | Kept::Everything => sum.0,
         Kept::Bits(bits) => bits.iter().fold(sum, |sum, (first, count)| sum.number(*first).number(*count)).0,

@@ -9,6 +9,7 @@
 
 mod items;
 mod late;
+mod numbers;
 mod slots;
 mod writer;
 
