@@ -86,6 +86,11 @@ fn wrong_flags_are_usage_errors() {
         (&["--scenario", "/dev/zero"], "/dev/zero: a pipe, a socket or a device"),
         (&["--scenario", "."], "a folder or a link to one"),
         (&["--trace", "pipe.csv"], "pipe.csv: a pipe, a socket or a device"),
+        (&["--watch-table", "pipe.toml"], "pipe.toml: a pipe, a socket or a device"),
+        (
+            &["--clock", "virtual", "--cycles", "2", "--instance-values", "pipe.csv"],
+            "pipe.csv: a pipe, a socket or a device",
+        ),
     ] {
         let errors = both(folder, flags, 2);
         assert!(errors.contains(says), "{flags:?}: {errors}");

@@ -20,6 +20,7 @@ use super::{
 };
 use crate::clock::Clock;
 use crate::cpu::Cpu;
+use crate::files;
 use crate::io::Simulated;
 use crate::options::{ClockKind, RunOptions};
 use crate::report;
@@ -48,7 +49,8 @@ impl Table {
     /// Reads a CSV file: names in the first line, then a line for each instance.
     fn read(path: &Path) -> Result<Table, String> {
         let shown = path.display();
-        let length = std::fs::metadata(path).map_err(|error| format!("{shown}: {error}"))?.len();
+        let found = files::regular(path).and_then(|()| std::fs::metadata(path));
+        let length = found.map_err(|error| format!("{shown}: {error}"))?.len();
         if length > VALUES_BYTES_MAX {
             return Err(format!("{shown}: the file has more than {} MB", VALUES_BYTES_MAX >> 20));
         }

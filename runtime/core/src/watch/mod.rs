@@ -33,6 +33,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::address::Address;
 use crate::cpu::Cpu;
+use crate::files;
 use crate::monitor::recording;
 use crate::names;
 use crate::signal::{Signal, Source};
@@ -83,7 +84,8 @@ impl Table {
     /// Reads the file of a table. `Err`: the error with its place.
     pub fn read(path: &Path, cpu: &Cpu) -> Result<Table, String> {
         let name = path.display();
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+        let text = files::regular(path).and_then(|()| std::fs::read_to_string(path));
+        let text = text.map_err(|error| format!("{name}: {error}"))?;
         Table::parse(&text, cpu).map_err(|(offset, message)| {
             let line = text.get(..offset).map_or(1, |before| before.matches('\n').count() + 1);
             format!("{name}:{line}: {message}")

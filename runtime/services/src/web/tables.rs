@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use plcc_runtime::files;
 use plcc_runtime::watch::sheet::Sheet;
 
 use crate::limits::{PAGE_MESSAGE_MAX, TABLES_MAX};
@@ -51,7 +52,7 @@ impl Tables {
             let most = PAGE_MESSAGE_MAX / 1024;
             return Err(Wrong::Other(format!("{}: a watch table has at most {most} KiB", path.display())));
         }
-        let text = std::fs::read_to_string(&path).map_err(failed)?;
+        let text = files::regular(&path).and_then(|()| std::fs::read_to_string(&path)).map_err(failed)?;
         Sheet::read(&text).map_err(|error| Wrong::Other(format!("{}: {error}", path.display())))
     }
 
