@@ -221,7 +221,12 @@ impl ServiceOptions {
             return Err("--tls: it is for the page and the metrics: add --web or --metrics".to_string());
         }
         if !is_open && target.is_none() && board.is_none() {
-            return Ok((None, Vec::new()));
+            return match self.access {
+                Some(_) if !flags_only => {
+                    Err("--access: no clients can come: add --s7, --modbus, --opcua, --web or --mqtt".to_string())
+                }
+                _ => Ok((None, Vec::new())),
+            };
         }
         let clients = Clients::new(config, self.access.map(Right::from));
         let times = metrics.is_some().then(Arc::<CycleTimes>::default);

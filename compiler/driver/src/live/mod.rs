@@ -31,7 +31,7 @@ enum Event {
 /// Runs the program and watches its sources; the exit code is that of the program.
 pub fn run(args: &RunArgs) -> u8 {
     if let Some(flag) = unfit(args) {
-        report::say(&format!("runtime: {flag} belongs to one program: leave out {flag}, or --watch and --allow-load"));
+        report::say(&format!("{flag} belongs to one program: leave out {flag}, or --watch and --allow-load"));
         return EXIT_USAGE;
     }
     let paths = match inputs::or_here(&args.inputs) {
@@ -48,7 +48,7 @@ pub fn run(args: &RunArgs) -> u8 {
     let (service, opened) = match args.services.open(&image, false, Some(loader.clone())) {
         Ok(opened) => opened,
         Err(message) => {
-            report::say(&format!("runtime: {message}"));
+            eprintln!("runtime: {}", plcc_runtime::files::without_numbers(&message));
             return EXIT_USAGE;
         }
     };

@@ -131,6 +131,23 @@ fn wrong_flags_are_usage_errors() {
 }
 
 #[test]
+fn flags_of_clients_need_a_service() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("program.stl"), "      L     MW 0\n").expect("the folder can be written");
+    for (flags, says) in [
+        (&["--access", "control"][..], "runtime: --access: no clients can come: add --s7"),
+        (&["--allow-load"], "runtime: --allow-load: programs are loaded through the page"),
+        (&["--allow-load", "--scenario", "s.toml"], "plcc: --scenario belongs to one program"),
+    ] {
+        let all = [&["run", "program.stl", "--cycles", "1"], flags].concat();
+        let output = command(PLCC, folder.path(), &all);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{errors}");
+        assert!(errors.starts_with(says), "{errors}");
+    }
+}
+
+#[test]
 fn a_cold_restart_is_refused_where_the_cpu_has_none() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let main = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %Q0.0 := %I0.0;\nEND_ORGANIZATION_BLOCK\n";
