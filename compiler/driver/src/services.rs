@@ -19,7 +19,7 @@ pub struct ServicesKeys {
     s7: Option<Spanned<String>>,
     modbus: Option<Spanned<String>>,
     opcua: Option<Spanned<String>>,
-    opcua_folder: Option<String>,
+    opcua_folder: Option<Spanned<String>>,
     #[serde(default)]
     opcua_unsecured: bool,
     metrics: Option<Spanned<String>>,
@@ -194,7 +194,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         s7: keys.s7.as_ref().and_then(|key| reader.checked(key, help, address)),
         modbus: keys.modbus.as_ref().and_then(|key| reader.checked(key, help, address)),
         opcua: keys.opcua.as_ref().and_then(|key| reader.checked(key, help, address)),
-        opcua_folder: keys.opcua_folder.clone(),
+        opcua_folder: keys.opcua_folder.as_ref().and_then(|key| reader.file_name(key, "folder", "opcua")),
         opcua_unsecured: keys.opcua_unsecured,
         metrics: keys.metrics.as_ref().and_then(|key| reader.checked(key, help, address)),
         web: keys.web.as_ref().and_then(|key| reader.checked(key, help, address)),
@@ -397,9 +397,9 @@ mod tests {
     fn wrong_values_are_reported_and_passwords_are_not_shown() {
         let (read, messages) = config(
             "[services]\ns7 = \"plant:102\"\nmqtt = \"me:secret@b\"\npassword = \"secret\"\ncommunication_load = 90\n\
-             interval = \"1ms\"\n[[services.client]]\naddress = \"plant\"\naccess = \"read\"\n",
+             opcua_folder = \"\"\ninterval = \"1ms\"\n[[services.client]]\naddress = \"plant\"\naccess = \"read\"\n",
         );
-        assert_eq!(messages.len(), 6, "{messages:?}");
+        assert_eq!(messages.len(), 7, "{messages:?}");
         assert!(messages.iter().all(|message| !message.contains("secret")), "{messages:?}");
         assert_eq!(read, ServicesConfig { linked: true, ..ServicesConfig::default() });
     }

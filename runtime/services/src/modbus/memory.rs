@@ -108,7 +108,7 @@ impl Start {
             | address::Place::Counter(_)
             | address::Place::TimerValue(_)
             | address::Place::CounterValue(_) => {
-                return Err(format!("`{text}` is not in I, Q, M, V, a data block or the I/O"));
+                return Err(format!("`{text}` is not in I, Q, M, a data block or the I/O"));
             }
         };
         Ok((Start { area, byte, bit }, matches!(address.width, Width::Bit(_))))
