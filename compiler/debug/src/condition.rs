@@ -154,6 +154,7 @@ fn word<'a>(name: &'a str, after: &str) -> Result<Token<'a>, String> {
         "AND" => return text("&&"),
         "OR" => return text("||"),
         "NOT" => return text("!"),
+        "MOD" => return text("%"),
         "TRUE" => return text("1"),
         "FALSE" => return text("0"),
         _ => {}
@@ -242,6 +243,7 @@ mod tests {
             ("MW10=7 AND \"Motor on\"", 1.0),
             ("NOT \"Motor on\" OR MW10 <> 7", 0.0),
             ("#x.y[1, 2] + MW10 * 2", 15.0),
+            ("MW10 mod 4 = 3", 1.0),
             ("DB1.t >= T#5s && DB1.t < T#5s1ms", 1.0),
             ("MW10 = 16#7 & MW10 = W#16#7", 1.0),
             ("abs(0 - MW10) == 7.0e0", 1.0),

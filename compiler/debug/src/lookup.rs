@@ -1,8 +1,9 @@
 //! What a name means where the program stands: a register, a variable of the block, a value of the program.
 
+use plcc_abi::image::AssertType;
 use plcc_abi::layout;
 use plcc_lower::probe::{Kept, Probe};
-use plcc_model::types::{DTL, DataType, Member, value_type};
+use plcc_model::types::{DTL, DataType, Elementary, Member, value_type};
 use plcc_model::{Body, CodeBlock, Parameter, Passing, Program, Width};
 use plcc_runtime::address::Place;
 use plcc_runtime::cpu::Cpu;
@@ -137,11 +138,11 @@ impl<'a> Here<'a> {
                 .iter()
                 .map(|parameter| {
                     let ty = match parameter.width {
-                        plcc_model::s7200::Width::Bit => plcc_model::types::Elementary::Bool,
-                        plcc_model::s7200::Width::Byte => plcc_model::types::Elementary::Byte,
-                        plcc_model::s7200::Width::Word => plcc_model::types::Elementary::Word,
-                        plcc_model::s7200::Width::Dword => plcc_model::types::Elementary::Dword,
-                        plcc_model::s7200::Width::Lword => plcc_model::types::Elementary::Lword,
+                        plcc_model::s7200::Width::Bit => Elementary::Bool,
+                        plcc_model::s7200::Width::Byte => Elementary::Byte,
+                        plcc_model::s7200::Width::Word => Elementary::Word,
+                        plcc_model::s7200::Width::Dword => Elementary::Dword,
+                        plcc_model::s7200::Width::Lword => Elementary::Lword,
                     };
                     let ty = DataType::Elementary(ty);
                     let data = Data { offset: frame.local + parameter.byte, bit: parameter.bit, ty };
@@ -294,7 +295,10 @@ fn walk(mut data: Data, path: &[Part], root: &str) -> Result<Data, String> {
             }
             (Part::Name(name), _) => return Err(no(&format!("`{name}`"))),
             (Part::Index(_), _) => return Err(no("such index")),
-            (Part::Slice(..), _) => return Err(no("slice; a slice of a local variable is not shown")),
+            (Part::Slice(width, slice), _) => {
+                let why = || format!("`{root}`: a slice is part of a bit string or an integer, and within it");
+                data.slice(*width, *slice).ok_or_else(why)?
+            }
         };
         data = next;
     }
@@ -304,7 +308,6 @@ fn walk(mut data: Data, path: &[Part], root: &str) -> Result<Data, String> {
 impl Data {
     /// The type of its value; `None`: it consists of others, or has none.
     pub fn value_type(&self) -> Option<ValueType> {
-        use plcc_abi::image::AssertType;
         match &self.ty {
             DataType::Elementary(ty) => Some(ValueType::of(value_type(*ty))),
             DataType::DateAndTime => Some(ValueType::of(AssertType::DateAndTime)),
@@ -319,6 +322,27 @@ impl Data {
             | DataType::OpenArray(_)
             | DataType::Void => None,
         }
+    }
+
+    /// Slice `number` of `width` bits, 0 at the right; `None`: it has none.
+    fn slice(&self, width: u32, number: u32) -> Option<Data> {
+        let ValueType { ty: AssertType::Bits(bits) | AssertType::Signed(bits) | AssertType::Unsigned(bits), .. } =
+            self.value_type()?
+        else {
+            return None;
+        };
+        let (bits, first) = (u32::from(bits), number.checked_mul(width)?);
+        let end = first.checked_add(width)?;
+        if end > bits || width == bits {
+            return None;
+        }
+        let (byte, bit, ty) = match width {
+            1 => (bits / 8 - 1 - first / 8, (first % 8) as u8, Elementary::Bool),
+            8 => ((bits - end) / 8, 0, Elementary::Byte),
+            16 => ((bits - end) / 8, 0, Elementary::Word),
+            _ => ((bits - end) / 8, 0, Elementary::Dword),
+        };
+        Some(Data { offset: self.offset.checked_add(byte)?, bit, ty: DataType::Elementary(ty) })
     }
 
     /// An element of an array by its number, 0 for the first.

@@ -84,7 +84,7 @@ impl Value {
             Value::Bits(bits, width) => value::text(*bits, *width),
             Value::Whole(whole) => whole.to_string(),
             Value::Number(number) => number_text(*number),
-            Value::Typed(AssertType::Lreal, _) => self.number().map_or_else(String::new, |number| number.to_string()),
+            Value::Typed(AssertType::Lreal, _) => self.number().map_or_else(String::new, short),
             Value::Typed(ty, value) => value.typed_text(*ty),
         }
     }
@@ -153,7 +153,14 @@ pub fn number_text(number: f64) -> String {
     let is_whole = number.fract() == 0.0 && number.abs() <= WHOLE_MAX;
     let rounded = if is_whole { number } else { format!("{number:.5e}").parse::<f64>().unwrap_or(number) };
     // No `-0`.
-    (rounded + 0.0).to_string()
+    short(rounded + 0.0)
+}
+
+/// With an exponent where most digits would be zeros.
+fn short(number: f64) -> String {
+    let size = number.abs();
+    let is_long = size.is_finite() && (size >= 1e16 || size > 0.0 && size < 1e-9);
+    if is_long { format!("{number:e}") } else { number.to_string() }
 }
 
 #[cfg(test)]
@@ -166,6 +173,13 @@ mod tests {
     fn integers_have_all_their_digits() {
         let texts = [1_234_567.0, -16_777_216.0, 1_234_567.5, f64::from(0.1f32), -0.0].map(number_text);
         assert_eq!(texts, ["1234567", "-16777216", "1234570", "0.1", "0"]);
+    }
+
+    #[test]
+    fn numbers_far_from_one_have_an_exponent() {
+        let texts = [1e300, -2.5e-12, 1.5e15, 0.001, 0.0, -0.0].map(number_text);
+        assert_eq!(texts, ["1e300", "-2.5e-12", "1500000000000000", "0.001", "0", "0"]);
+        assert_eq!(number_text(f64::INFINITY), "inf");
     }
 
     #[test]
