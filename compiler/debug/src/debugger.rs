@@ -292,6 +292,7 @@ impl Debugger {
                 }
             }
             Found::Number(..) => Err("the caller has passed this number; it cannot be changed".to_string()),
+            Found::Constant(..) => Err("a constant cannot be changed".to_string()),
             Found::Values(_) => Err("only single values can be changed".to_string()),
         }
     }

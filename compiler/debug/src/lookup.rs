@@ -4,7 +4,7 @@ use plcc_abi::image::AssertType;
 use plcc_abi::layout;
 use plcc_lower::probe::{Kept, Probe};
 use plcc_model::types::{DTL, DataType, Elementary, Member, value_type};
-use plcc_model::{Body, CodeBlock, Parameter, Passing, Program, Width};
+use plcc_model::{BlockConstant, Body, CodeBlock, Parameter, Passing, Program, Width};
 use plcc_runtime::address::Place;
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::names::path::{Part, parts};
@@ -33,6 +33,7 @@ pub enum Found {
     Data(Data),
     /// A formal that is a number: of a timer, counter or block.
     Number(u64, String),
+    Constant(Elementary, Value),
     Value(Source),
     /// All values of a structure or data block.
     Values(Vec<Signal>),
@@ -118,9 +119,19 @@ impl<'a> Here<'a> {
         rules.iter().find_map(|is_it| names.iter().find(|(own, _)| is_it(own, name)).map(|(_, found)| found.clone()))
     }
 
-    /// All variables of the block.
+    /// All variables and constants of the block.
     fn locals(&self) -> Vec<(String, Found)> {
-        [self.temporaries(), self.formals(), self.instance()].concat()
+        [self.temporaries(), self.formals(), self.instance(), self.constants()].concat()
+    }
+
+    /// Constants of the block.
+    fn constants(&self) -> Vec<(String, Found)> {
+        let constants = self.block().into_iter().flat_map(|block| &block.interface.constants);
+        let one = |constant: &BlockConstant| {
+            let value = Value::of_type(value_type(constant.ty), constant.bits);
+            (constant.name.clone(), Found::Constant(constant.ty, value))
+        };
+        constants.map(one).collect()
     }
 
     /// TEMP; of an S7-200 its parameters.
@@ -224,6 +235,7 @@ impl<'a> Here<'a> {
                 Some(Value::at(&self.cpu.memory, data.offset, data.bit, ty))
             }
             Found::Value(source) => Some(source.read(self.cpu, None)),
+            Found::Constant(_, value) => Some(value.clone()),
             Found::Register(_) | Found::Number(..) | Found::Values(_) => None,
         }
     }
@@ -266,7 +278,7 @@ impl<'a> Here<'a> {
                 };
                 Range { offset, bytes, bit, ty }
             }
-            Found::Register(_) | Found::Number(..) | Found::Values(_) => return None,
+            Found::Register(_) | Found::Number(..) | Found::Constant(..) | Found::Values(_) => return None,
         };
         let is_local = (layout::L..layout::DB_TABLE).contains(&range.offset);
         (!is_local && self.cpu.memory.contains(range.offset, range.bytes)).then_some(Looked::Memory(range))

@@ -141,7 +141,7 @@ pub fn text(here: &Here<'_>, found: &Found) -> String {
         Found::Register(register) => here.frame.map_or_else(String::new, |frame| register.text(&frame.probed)),
         Found::Number(number, ty) => format!("{ty} {number}"),
         Found::Values(values) => format!("{} values", values.len()),
-        Found::Data(_) | Found::Value(_) => match (here.value(found), found) {
+        Found::Data(_) | Found::Value(_) | Found::Constant(..) => match (here.value(found), found) {
             (Some(value), _) => value.text(),
             (None, Found::Data(data)) => match &data.ty {
                 DataType::Parameter(_) => {
@@ -161,6 +161,7 @@ pub fn type_of(found: &Found) -> String {
         Found::Number(_, ty) => ty.clone(),
         Found::Data(data) => layout::type_name(&data.ty),
         Found::Value(source) => source.ty().to_string(),
+        Found::Constant(ty, _) => layout::type_name(&DataType::Elementary(*ty)),
         Found::Values(_) => String::new(),
     }
 }

@@ -120,6 +120,17 @@ pub struct Interface {
     pub code_version1: bool,
     /// TEMP variables with their addresses in the local data, in the order of these.
     pub temporaries: Vec<Member>,
+    /// `VAR CONSTANT` and CONST, those with a single value, in the order of the source: for the debugger.
+    pub constants: Vec<BlockConstant>,
+}
+
+/// A constant of a block.
+#[derive(Clone, Debug)]
+pub struct BlockConstant {
+    pub name: String,
+    pub ty: Elementary,
+    /// Zero-extended from the width of the type.
+    pub bits: u64,
 }
 
 /// Direction of a parameter.

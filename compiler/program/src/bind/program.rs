@@ -25,10 +25,11 @@ use super::stl::StlBinder;
 use super::trees::SYSTEM_FILE;
 use crate::bind::review::review;
 use crate::bind::trees::blocks;
+use plcc_binding::constant::Constant;
 use plcc_binding::pragma::is_asserted;
 use plcc_binding::{BindInput, Bound, fold};
 use plcc_model::types::{DataType, Member};
-use plcc_model::{BlockKey, Body, CodeBlock, Interface, Parameter, Program, profile};
+use plcc_model::{BlockConstant, BlockKey, Body, CodeBlock, Interface, Parameter, Program, profile};
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
@@ -214,13 +215,14 @@ fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span
         name => name,
     };
     let temporaries = if fixed_span.is_some() { Vec::new() } else { temporaries(&bound) };
+    let constants = if fixed_span.is_some() { Vec::new() } else { constants(block, &bound) };
     Some(CodeBlock {
         kind: key.kind,
         number: key.number,
         name,
         span: fixed_span.unwrap_or(span),
         library: fixed_span.is_some(),
-        interface: Interface { temporaries, ..bound.interface.clone() },
+        interface: Interface { temporaries, constants, ..bound.interface.clone() },
         temp_bytes: bound.temp_bytes.max(current.local_bytes.next_multiple_of(2)),
         body,
     })
@@ -234,6 +236,22 @@ fn temporaries(bound: &BoundInterface) -> Vec<Member> {
         .collect();
     members.sort_by(|a, b| (a.byte, a.bit, &a.name).cmp(&(b.byte, b.bit, &b.name)));
     members
+}
+
+/// The constants of a block that have one value; those without a type have the one that fits.
+fn constants(block: &ast::CodeBlock, bound: &BoundInterface) -> Vec<BlockConstant> {
+    let constants = block.constants.iter().filter_map(|constant| {
+        let (ty, bits) = match bound.constants.get(&fold(&constant.name))? {
+            Constant::Typed { ty, bits } => (*ty, *bits),
+            Constant::Integer { value, .. } => {
+                (Elementary::Dint, u64::from(i32::try_from(*value).ok()?.cast_unsigned()))
+            }
+            Constant::Real(value) => (Elementary::Real, u64::from((*value as f32).to_bits())),
+            Constant::Text { .. } | Constant::WideText(_) | Constant::DateAndTime(_) | Constant::Dtl(_) => return None,
+        };
+        Some(BlockConstant { name: constant.name.clone(), ty, bits })
+    });
+    constants.collect()
 }
 
 /// Each language binds its own blocks.
