@@ -177,6 +177,11 @@ fn name(text: &str) -> Result<(&str, &str), String> {
         let closing = match c {
             '"' => '"',
             '[' => ']',
+            // `r^.x`, and `r^ = 5`, but not the power `a^2`.
+            '^' if at > 0 && !is_operand(text[at + 1..].trim_start()) => {
+                end = at + 1;
+                continue;
+            }
             c if c.is_alphanumeric() || matches!(c, '_' | '.' | '#' | '%') => {
                 end = at + c.len_utf8();
                 continue;
@@ -187,6 +192,11 @@ fn name(text: &str) -> Result<(&str, &str), String> {
         end = at + 1;
     }
     Ok(text.split_at(end))
+}
+
+/// Whether an operand begins with this text.
+fn is_operand(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '#' | '"' | '%' | '(' | '-' | '!'))
 }
 
 /// A number as the expression has it. `Err`: the error.
@@ -231,7 +241,7 @@ mod tests {
         Condition::parse(text)?.value(&|name| match name {
             "MW10" => Ok(7.0),
             "\"Motor on\"" | "#x.y[1, 2]" => Ok(1.0),
-            "DB1.t" => Ok(5.0),
+            "DB1.t" | "#r^.x" | "r^" => Ok(5.0),
             _ => Err(format!("no {name}")),
         })
     }
@@ -244,6 +254,8 @@ mod tests {
             ("NOT \"Motor on\" OR MW10 <> 7", 0.0),
             ("#x.y[1, 2] + MW10 * 2", 15.0),
             ("MW10 mod 4 = 3", 1.0),
+            ("#r^.x + MW10^2", 54.0),
+            ("r^ >= 5 AND r^=5", 1.0),
             ("DB1.t >= T#5s && DB1.t < T#5s1ms", 1.0),
             ("MW10 = 16#7 & MW10 = W#16#7", 1.0),
             ("abs(0 - MW10) == 7.0e0", 1.0),

@@ -67,6 +67,9 @@ impl<'a> Here<'a> {
     pub fn find(&self, text: &str) -> Result<Found, String> {
         let settled = indices::settled(text.trim(), &|index| self.index(index))?;
         let text = &*settled;
+        if let Some(at) = reference_end(text) {
+            return self.referred(&text[..at], text[at + 1..].trim_start());
+        }
         let (local, only_local) = match text.strip_prefix('#') {
             Some(local) => (local, true),
             None => (text, false),
@@ -101,6 +104,31 @@ impl<'a> Here<'a> {
             return Err(format!("`#{local}` is not a variable of the block that runs"));
         }
         of_program()
+    }
+
+    /// A part of what a reference leads to: `#step^.valve` of `#step` and `.valve`. `Err`: the error as a sentence.
+    fn referred(&self, reference: &str, rest: &str) -> Result<Found, String> {
+        let no_reference = || format!("`{reference}` is not a reference of the block that runs");
+        if reference.matches('^').count() > REFERENCES_MAX {
+            return Err(format!("a name has at most {REFERENCES_MAX} references one after the other"));
+        }
+        let Found::Data(data) = self.find(reference)? else { return Err(no_reference()) };
+        let DataType::Struct(structure) = &data.ty else { return Err(no_reference()) };
+        let target = structure.refers_to.as_ref().ok_or_else(no_reference)?;
+        // The number of a data block, and bit and byte in it.
+        let memory = &self.cpu.memory;
+        let (number, bit) = (memory.word(data.offset), memory.word(data.offset + 2));
+        let byte = memory.dword(data.offset + 4);
+        let (start, length) = memory.db(number);
+        if number == 0 || byte.saturating_add(plcc_model::layout::bytes(target)) > length {
+            return Err(format!("`{reference}` is NULL, or leads to nothing"));
+        }
+        let data = Data { offset: start + byte, bit: (bit & 7) as u8, ty: target.clone() };
+        let path = parts(&format!("r{rest}")).filter(|_| rest.is_empty() || rest.starts_with(['.', '[']));
+        match path.as_deref() {
+            Some([_, path @ ..]) => walk(data, path, reference).map(Found::Data),
+            _ => Err(format!("`{reference}^{rest}` is not a name")),
+        }
     }
 
     /// The value of an index, which may be computed. `Err`: the error as a sentence.
@@ -283,6 +311,22 @@ impl<'a> Here<'a> {
         let is_local = (layout::L..layout::DB_TABLE).contains(&range.offset);
         (!is_local && self.cpu.memory.contains(range.offset, range.bytes)).then_some(Looked::Memory(range))
     }
+}
+
+/// More references than this do not follow each other in a name.
+const REFERENCES_MAX: usize = 8;
+
+/// Where the last `^` of a name is, outside of quotes.
+fn reference_end(text: &str) -> Option<usize> {
+    let (mut end, mut is_quoted) = (None, false);
+    for (at, c) in text.char_indices() {
+        match c {
+            '"' => is_quoted = !is_quoted,
+            '^' if !is_quoted => end = Some(at),
+            _ => {}
+        }
+    }
+    end
 }
 
 /// Follows members and indices. `Err`: the error as a sentence.
