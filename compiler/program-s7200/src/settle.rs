@@ -4,7 +4,7 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::OperandClass;
-use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, SymbolForm};
+use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, Shown, SymbolForm};
 
 use super::address;
 use super::interface::{Locals, Type};
@@ -33,6 +33,9 @@ impl Binder<'_> {
     /// Settles an operand; `None`: reported. `text`: a name in double quotes is a string constant.
     pub fn settle(&mut self, locals: &Locals, operand: &ast::Operand, text: bool) -> Option<Settled> {
         let span = operand.span;
+        if let Some(shown) = &operand.shown {
+            self.check_shown(locals, shown, operand)?;
+        }
         match &operand.kind {
             OperandKind::Direct(direct) => Some(Settled::Direct(*direct)),
             OperandKind::Constant(constant) => Some(Settled::Constant(constant.clone())),
@@ -109,6 +112,36 @@ impl Binder<'_> {
             return None;
         }
         self.operand(locals, OperandClass::Label, operand)
+    }
+
+    /// `Start:I0.0`: the symbol must stand for this address or block. `None`: it stands for another one, reported. A symbol that nothing
+    /// declares says no more than its address.
+    fn check_shown(&mut self, locals: &Locals, shown: &Shown, operand: &ast::Operand) -> Option<()> {
+        let name = &shown.name;
+        let is_block = matches!(operand.kind, OperandKind::Block { .. });
+        let local = locals.find(name).filter(|_| shown.form != SymbolForm::Quoted && !is_block);
+        let is_global = local.is_none() && shown.form != SymbolForm::Local;
+        let global = self.globals.get(&fold(name)).filter(|_| is_global);
+        let own = self.by_name.get(&fold(name)).filter(|_| is_global).and_then(|index| self.blocks.get(*index));
+        let (meant, row) = match (local, global, own) {
+            (Some(local), _, _) => (Some(address::text(local.place)), None),
+            (None, Some(global), _) => (place_text(&global.target), Some(global.span)),
+            (None, None, Some(block)) => (Some(format!("{}{}", block.kind.prefix(), block.number)), None),
+            (None, None, None) => (None, None),
+        };
+        let (Some(meant), Some(written)) = (meant, place_text(&operand.kind)) else { return Some(()) };
+        if meant == written {
+            return Some(());
+        }
+        let message =
+            Diagnostic::new(Code::OperandKind, operand.span, format!("`{name}` is {meant}, not {written} (0090)"))
+                .label("symbol and address do not go together")
+                .help(format!("write the one that is meant: `{name}` or `{written}`"));
+        self.push(match row {
+            Some(row) => message.also(row, "its row in the symbol table"),
+            None => message,
+        });
+        None
     }
 
     fn unknown_local(&mut self, locals: &Locals, name: &str, span: Span) {
@@ -236,4 +269,14 @@ fn characters(text: &str) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// An address or the number of a block, as written; none of what is not the target of a symbol.
+fn place_text(kind: &OperandKind) -> Option<String> {
+    match kind {
+        OperandKind::Direct(direct) => Some(address::text(*direct)),
+        OperandKind::Block { kind, number } => Some(format!("{}{number}", block_kind(*kind).prefix())),
+        OperandKind::Constant(_) => Some("a constant".to_owned()),
+        OperandKind::Indirect(_) | OperandKind::AddressOf(_) | OperandKind::Symbol { .. } | OperandKind::Error => None,
+    }
 }

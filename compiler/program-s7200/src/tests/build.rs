@@ -17,7 +17,7 @@ fn span(at: usize) -> Span {
 }
 
 pub fn operand(kind: OperandKind) -> Operand {
-    Operand { kind, span: span(0) }
+    Operand { kind, shown: None, span: span(0) }
 }
 
 pub fn direct(area: Area, width: Option<Width>, number: u32, bit: u8) -> Operand {

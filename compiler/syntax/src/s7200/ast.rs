@@ -131,7 +131,16 @@ pub enum AssertSide {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operand {
     pub kind: OperandKind,
+    /// Of `Start:I0.0`, as an editor shows symbols with their addresses: the symbol; `kind` is then the address or the block.
+    pub shown: Option<Shown>,
     pub span: Span,
+}
+
+/// A symbol before its address.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shown {
+    pub name: String,
+    pub form: SymbolForm,
 }
 
 /// Forms of operands.

@@ -100,16 +100,27 @@ fn operands(operands: &[Operand]) -> String {
 }
 
 fn operand(operand: &Operand) -> String {
-    match &operand.kind {
+    match &operand.shown {
+        Some(Shown { name, form }) => format!("{} at {}", symbol(name, *form), kind(&operand.kind)),
+        None => kind(&operand.kind),
+    }
+}
+
+fn symbol(name: &str, form: SymbolForm) -> String {
+    match form {
+        SymbolForm::Local => format!("#{name}"),
+        SymbolForm::Quoted => format!("{name:?}"),
+        SymbolForm::Bare => format!("symbol {name}"),
+    }
+}
+
+fn kind(kind: &OperandKind) -> String {
+    match kind {
         OperandKind::Direct(direct) => address::text(direct),
         OperandKind::Indirect(pointer) => format!("*{}", self::operand(pointer)),
         OperandKind::AddressOf(target) => format!("&{}", self::operand(target)),
         OperandKind::Constant(constant) => self::constant(constant),
-        OperandKind::Symbol { name, form } => match form {
-            SymbolForm::Local => format!("#{name}"),
-            SymbolForm::Quoted => format!("{name:?}"),
-            SymbolForm::Bare => format!("symbol {name}"),
-        },
+        OperandKind::Symbol { name, form } => symbol(name, *form),
         OperandKind::Block { kind, number } => match kind {
             BlockKind::Main => format!("block OB{number}"),
             BlockKind::Subroutine => format!("block SBR{number}"),

@@ -3,7 +3,7 @@
 use crate::ast::{Pragma, Width};
 use crate::front;
 use crate::s7200::Insn;
-use crate::s7200::ast::{Assert, BlockKind, Direct, Section};
+use crate::s7200::ast::{Assert, BlockKind, Direct, Section, SymbolForm};
 
 /// A token of the grammar. Texts are slices of the source.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +39,8 @@ pub enum Tok<'a> {
     BadLine,
 
     // Operands.
+    /// A symbol with the colon after it; the address or the block that it stands for follows.
+    Shown(&'a str, SymbolForm),
     Direct(Direct),
     Block(BlockKind, u32),
     /// A name as written.

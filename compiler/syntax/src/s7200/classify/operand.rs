@@ -9,7 +9,7 @@ use crate::ast::Width;
 use crate::front::foreign_address;
 use crate::s7200::Insn;
 use crate::s7200::address::{self, AddressError};
-use crate::s7200::ast::{Area, BlockKind};
+use crate::s7200::ast::{Area, BlockKind, SymbolForm};
 use crate::s7200::constant::{self, ConstantError};
 use crate::s7200::raw::{RawKind, RawToken};
 use crate::s7200::token::Tok;
@@ -47,6 +47,10 @@ impl<'a> Classifier<'a, '_> {
         let mut at = 0;
         while let Some(token) = tokens.get(at).copied() {
             at += 1;
+            if self.shown_symbol(&tokens[at - 1..]) {
+                at += 2;
+                continue;
+            }
             if token.kind == RawKind::Word
                 && tokens.get(at).is_some_and(|next| next.kind == RawKind::Colon)
                 && let Some(end) = self.foreign_address(token)
@@ -71,6 +75,37 @@ impl<'a> Classifier<'a, '_> {
             let token_of = self.operand(token);
             self.push(token.range(), token_of);
         }
+    }
+
+    /// `Start:I0.0`, `#Raw:LW0`, `Init:SBR0`: a symbol with its address, as the editor shows both; false: the tokens do not begin with one.
+    fn shown_symbol(&mut self, tokens: &[RawToken]) -> bool {
+        let [name, colon, place, ..] = tokens else { return false };
+        let joined = name.range().end == colon.range().start && colon.range().end == place.range().start;
+        if self.place != Where::Statement || (colon.kind, place.kind) != (RawKind::Colon, RawKind::Word) || !joined {
+            return false;
+        }
+        let text = self.slice(name.range());
+        let is_address = |text: &str| address::parse(&text.to_ascii_uppercase()).is_some();
+        let (symbol, form) = match name.kind {
+            RawKind::Word if !is_address(text) => (text, SymbolForm::Bare),
+            RawKind::Local => (text.trim_start_matches('#'), SymbolForm::Local),
+            RawKind::Quoted => (text.trim_matches('"'), SymbolForm::Quoted),
+            _ => return false,
+        };
+        let after = self.slice(place.range());
+        if symbol.is_empty() || !is_address(after) && block(&after.to_ascii_uppercase()).is_none() {
+            return false;
+        }
+        let token = self.word(*place, after);
+        // `V1` may be a symbol.
+        if matches!(token, Tok::Bare(_)) {
+            return false;
+        }
+        if matches!(token, Tok::Direct(_) | Tok::Block(..)) {
+            self.push(name.range().start..colon.range().end, Tok::Shown(symbol, form));
+        }
+        self.push(place.range(), token);
+        true
     }
 
     /// `$FF`, as other assemblers write a hexadecimal number.
@@ -107,7 +142,7 @@ impl<'a> Classifier<'a, '_> {
         Some(range.end)
     }
 
-    /// `CALL Init:SBR0`, `CALL Init(VW0)`, `CALL SBR 0`; reads the operands of the first two as meant.
+    /// `CALL Init:Fill`, `CALL Init(VW0)`, `CALL SBR 0`; reads the operands of the first two as meant.
     fn foreign_call(&mut self, tokens: &[RawToken]) -> bool {
         let [name, second, rest @ ..] = tokens else { return false };
         let called = self.slice(name.range());
@@ -124,8 +159,10 @@ impl<'a> Classifier<'a, '_> {
             self.operands(rest);
             return true;
         }
-        if let (RawKind::Colon, Some((block, rest))) = (second.kind, rest.split_first()) {
-            let span = self.span(second.range().start..block.range().end);
+        if let (RawKind::Colon, Some((number, rest))) = (second.kind, rest.split_first())
+            && block(&self.slice(number.range()).to_ascii_uppercase()).is_none()
+        {
+            let span = self.span(second.range().start..number.range().end);
             self.report(
                 Diagnostic::new(Code::Syntax, span, "a call names the subroutine once")
                     .label("belongs to the header of the subroutine")
