@@ -1,5 +1,5 @@
 //! Settings of plc.toml that not every CPU has: organization blocks, their priorities, what becomes of a cycle that is too long, how much is
-//! retentive.
+//! retentive, protection.
 
 use plcc_abi::image::{BlockKind, Family, Profile};
 use plcc_abi::ob::{OB_FREE, ObClass};
@@ -17,6 +17,8 @@ pub enum CpuSetting {
     Exceeded,
     /// `startup = "cold"`
     Cold,
+    /// `protection = "complete"`
+    Complete,
     /// Byte of the clock memory or the system memory.
     MemoryByte(u16),
     /// A number below `[retain]`.
@@ -115,6 +117,12 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
             "write `startup = \"warm\"`; `--restart reset` gives retentive data their start values once",
         )),
         CpuSetting::Cold => None,
+        // Source: CPU manuals, protection levels: three of an S7-300/400, four of an S7-1200/1500.
+        CpuSetting::Complete if family.is_portal() => None,
+        CpuSetting::Complete => Some((
+            format!("the CPU {cpu} has no complete protection"),
+            "write `protection = \"read-write\"`, its highest level; `access` says what clients may do",
+        )),
         CpuSetting::MemoryByte(byte) => {
             let bytes = profile.bit_memory;
             (u32::from(byte) >= bytes && family != Family::S7200).then(|| {
@@ -161,6 +169,7 @@ mod tests {
             (priority(123), [false, false, false, false]),
             (CpuSetting::Exceeded, [true, true, false, true]),
             (CpuSetting::Cold, [false, false, true, false]),
+            (CpuSetting::Complete, [true, true, false, true]),
             (CpuSetting::Retentive(Retained::Timers, 4000), [true, true, true, false]),
             (CpuSetting::Retentive(Retained::Counters, 8), [false, false, true, false]),
             (CpuSetting::Retentive(Retained::BitMemory, 16), [false, false, false, false]),

@@ -210,6 +210,9 @@ impl Context {
         if let Some(keys) = &keys.services {
             let (services, messages) = services::read(keys, self.file);
             config.services = services;
+            if let Some(range) = services::complete_protection(keys) {
+                self.note_of_cpu(CpuSetting::Complete, range);
+            }
             self.diagnostics.extend(messages);
         }
         let (connections, messages) = connections::read(&keys.connection, self.file);

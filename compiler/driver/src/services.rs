@@ -1,6 +1,7 @@
 //! `[services]` of plc.toml: what clients can reach, and who may connect.
 
 use std::net::SocketAddr;
+use std::ops::Range;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::services::{Client, Protection, Registers, Right, Role, ServicesConfig, User};
@@ -36,7 +37,7 @@ pub struct ServicesKeys {
     access: Option<RightKey>,
     #[serde(default)]
     client: Vec<ClientKeys>,
-    protection: Option<ProtectionKey>,
+    protection: Option<Spanned<ProtectionKey>>,
     password: Option<Spanned<String>>,
     communication_load: Option<Spanned<i64>>,
     registers: Option<RegisterKeys>,
@@ -177,6 +178,12 @@ pub fn names(keys: &ServicesKeys, file: FileId) -> Names {
     Names { list: published.chain(tables).map(entry).collect() }
 }
 
+/// Where complete protection is asked for, which not every CPU has.
+pub fn complete_protection(keys: &ServicesKeys) -> Option<Range<usize>> {
+    let protection = keys.protection.as_ref()?;
+    matches!(protection.get_ref(), ProtectionKey::Complete).then(|| protection.span())
+}
+
 /// Percent of a cycle that communication may take. Source: CPU manuals, communication load.
 const LOADS: std::ops::RangeInclusive<i64> = 5..=50;
 /// Longest time between two publications of all values.
@@ -219,7 +226,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
         }),
         access: keys.access.map(Right::from),
         clients: keys.client.iter().filter_map(|client| reader.client(client)).collect(),
-        protection: match keys.protection {
+        protection: match keys.protection.as_ref().map(Spanned::get_ref) {
             None | Some(ProtectionKey::None) => Protection::None,
             Some(ProtectionKey::Write) => Protection::Write,
             Some(ProtectionKey::ReadWrite) => Protection::ReadWrite,
