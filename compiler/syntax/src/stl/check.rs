@@ -77,6 +77,12 @@ pub fn operand(
     )
 }
 
+/// Instructions of both sets that change the value in ACCU1.
+const OF_ACCU1: [&str; 27] = [
+    "ABS", "ACOS", "ASIN", "ATAN", "BTD", "BTI", "COS", "DTB", "DTR", "EXP", "INVD", "INVI", "ITB", "ITD", "LN", "MOD",
+    "NEGD", "NEGI", "NEGR", "RND", "RND+", "RND-", "SIN", "SQR", "SQRT", "TAN", "TRUNC",
+];
+
 /// What to write for an instruction with an operand that it does not take. To remove the operand would be another program.
 fn surplus_help(insn: StlInsn, written: &str, shown: &str) -> String {
     match insn {
@@ -91,7 +97,9 @@ fn surplus_help(insn: StlInsn, written: &str, shown: &str) -> String {
         StlInsn::BlockEnd if matches!(shown.to_ascii_uppercase().as_str(), "U" | "C" | "A" | "B") => {
             format!("write `{written}{}`, as one word", shown.to_ascii_uppercase())
         }
-        _ if written.starts_with(['+', '-', '*', '/', '<', '>', '=']) => {
+        _ if written.starts_with(['+', '-', '*', '/', '<', '>', '='])
+            || OF_ACCU1.iter().any(|own| own.eq_ignore_ascii_case(written)) =>
+        {
             format!("write `L {shown}` in the line before, and `{written}` alone")
         }
         _ => match written.strip_suffix('(').map(str::trim_end) {
