@@ -247,7 +247,18 @@ impl NetworkBinder<'_, '_> {
         let PinValue::Operand(bit) = &connected(element, "bit")?.value else { return None };
         let access = self.scl().access(ctx, bit, Intent::Both)?;
         self.check_edge_bit(&access, bit.span);
-        let before = self.scl().convert(ctx, value_of(&access, bit.span)?, Elementary::Bool)?;
+        let before = value_of(&access, bit.span)?;
+        if let Value::Elementary(own) = &before
+            && own.ty != Elementary::Bool
+        {
+            let (text, is) = (self.program.globals.text(bit.span), format!("of type {}", own.ty.name()));
+            let title = format!("`{text}` is {is}, but an edge memory bit is a BOOL");
+            let message = Diagnostic::new(Code::TypeMismatch, bit.span, title);
+            let help = "name a BOOL in bit memory or in static data that nothing else uses";
+            self.program.report(message.label(is).help(help));
+            return None;
+        }
+        let before = self.scl().convert(ctx, before, Elementary::Bool)?;
         let edge = if rising {
             and(value.clone(), inverted(before), span)
         } else {

@@ -26,7 +26,7 @@ enum Meaning {
 }
 
 /// Names of elements in other editors, and what SIMATIC SD calls them.
-const FOREIGN: [(&str, &str); 42] = [
+const FOREIGN: [(&str, &str); 44] = [
     ("Jump", "JumpCoil"),
     ("JMP", "JumpCoil"),
     ("JumpNot", "I_JumpCoil"),
@@ -65,10 +65,12 @@ const FOREIGN: [(&str, &str); 42] = [
     ("ContactNC", "I_Contact"),
     ("NC_Contact", "I_Contact"),
     ("NegContact", "I_Contact"),
+    ("NotContact", "I_Contact"),
     // N is an edge here, and a negation elsewhere.
     ("NContact", "I_Contact` for a negated contact, for a falling edge `N_Contact"),
     ("NCoil", "I_Coil` for a negated coil, for a falling edge `N_Coil"),
     ("NegCoil", "I_Coil"),
+    ("NotCoil", "I_Coil"),
     ("Subtract", "Sub"),
 ];
 
