@@ -59,6 +59,11 @@ impl<'a> Trivia<'a> {
         self.before(at + end as u32)
     }
 
+    /// Goes on with the comments from byte `at` on: the blocks of a project are not in the order of its text.
+    pub fn seek(&mut self, at: u32) {
+        self.next = self.comments.partition_point(|comment| comment.start < at);
+    }
+
     /// Whether the next comment begins before byte `at`.
     pub fn has_before(&self, at: u32) -> bool {
         self.comments.get(self.next).is_some_and(|comment| comment.start < at)

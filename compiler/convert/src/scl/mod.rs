@@ -3,6 +3,8 @@
 pub mod expression;
 mod statement;
 
+use std::collections::HashSet;
+
 use plcc_diag::Diagnostic;
 use plcc_syntax::ast::{Block, Code, CodeBlock, SourceUnit};
 use plcc_syntax::scl::ast::Body;
@@ -25,8 +27,16 @@ pub enum Others {
 /// Writes a source in SCL. `source`: the text that spans mean, if its constants are those of SCL.
 pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Others) -> (String, Vec<Diagnostic>) {
     let mut writer = Writer::new(Notation::Scl, Mnemonics::En, trivia, source);
+    let is_project = others == Others::LeftOut;
+    let mut starts = HashSet::new();
     for block in &unit.blocks {
         writer.out.gap();
+        if is_project {
+            // A block that calls a program may have its place, and then no comments of its own.
+            let start = block.span().start;
+            let is_made = matches!(block, Block::Code(_)) && !starts.insert(start);
+            writer.trivia.seek(if is_made { u32::MAX } else { start });
+        }
         match block {
             Block::Code(code) => match &code.code {
                 Code::Scl(body) => writer.scl_block(code, body),
@@ -42,7 +52,9 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Ot
             Block::Type(ty) => writer.type_block(ty),
         }
     }
-    writer.remarks_before(u32::MAX);
+    if !is_project {
+        writer.remarks_before(u32::MAX);
+    }
     (writer.out.into_text(), writer.messages)
 }
 

@@ -295,12 +295,13 @@ fn remarks(unit: &SourceUnit, source: &str) -> Option<Remarks> {
 /// Blocks of an export up to the next one: the place of such a block is its start tag, and its comments come after that.
 fn whole_blocks(unit: &SourceUnit, end: u32) -> SourceUnit {
     let mut unit = unit.clone();
-    let mut next = end;
-    for block in unit.blocks.iter_mut().rev() {
+    let mut starts: Vec<u32> = unit.blocks.iter().map(|block| block.span().start).collect();
+    starts.sort_unstable();
+    for block in &mut unit.blocks {
         if let Block::Code(code) = block {
-            code.span.end = next;
+            let next = starts.partition_point(|start| *start <= code.span.start);
+            code.span.end = starts.get(next).copied().unwrap_or(end);
         }
-        next = block.span().start;
     }
     unit
 }
@@ -316,7 +317,7 @@ fn written(
     let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
     let is_stl = has(unit, |code| matches!(code, Code::Stl(_)));
     let whole;
-    let made = if matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_))) {
+    let made = if matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_) | XmlKind::PlcOpen)) {
         whole = whole_blocks(made, source.len() as u32);
         &whole
     } else {

@@ -397,6 +397,14 @@ fn comments_of_exports_reach_projects() {
     }
     fs::write(folder.join("c.xml"), convert("c.scl", "xml")).expect("the folder can be written");
     assert_eq!(convert("c.xml", "plcopen"), project);
+    // From there they come back into the block, although its data block is written first.
+    fs::write(folder.join("p.xml"), &project).expect("the folder can be written");
+    let scl = convert("p.xml", "scl");
+    let body = scl.split("FUNCTION_BLOCK \"F\"").nth(1).and_then(|rest| rest.split("END_FUNCTION_BLOCK").next());
+    for comment in ["// first", "// REGION start", "// one", "// inside", "// last"] {
+        assert!(body.is_some_and(|body| body.contains(comment)), "{comment} in\n{scl}");
+        assert_eq!(scl.matches(comment).count(), 1, "{comment} in\n{scl}");
+    }
 }
 
 /// Assertions of STL are in the XML where they were, also where a network or a block has nothing else; numbers keep their digits.
