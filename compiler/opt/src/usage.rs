@@ -189,8 +189,7 @@ fn direct_reads(function: &Function, surroundings: &Surroundings) -> u32 {
 fn indexed_reads(function: &Function) -> u32 {
     let is_indexed = |addr: &Address| addr.region == Region::L && addr.base.is_some();
     let mut insts = function.layout.iter().flat_map(|&block| &function.blocks[block].insts);
-    let mut indexed =
-        |inst: &Inst| addresses_read(&function.insts[*inst]).into_iter().flatten().any(is_indexed);
+    let mut indexed = |inst: &Inst| addresses_read(&function.insts[*inst]).into_iter().flatten().any(is_indexed);
     if !insts.any(&mut indexed) {
         return NONE;
     }

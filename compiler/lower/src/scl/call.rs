@@ -7,8 +7,8 @@ use plcc_model::scl::{Actual, Base, Call, Complex, Instance};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{CodeBlock, Direction, Parameter, Passing, Place, Width};
 
-use super::located::Located;
 use super::argument::{self, Given, Look, TextArguments, TextSite, joined_call};
+use super::located::Located;
 use super::own_texts::OwnText;
 use super::text::TEXT_MAX;
 use super::value_type;

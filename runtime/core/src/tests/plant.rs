@@ -238,5 +238,9 @@ fn the_system_status_list() {
     assert_eq!(read(0x0091, 0, 40), (0x8081, [0, 16, 0, 2]), "as many records as fit");
     assert_eq!(cpu.memory.bytes::<6>(layout::M), [0, 0, 6, 0, 1, 32], "rack 0, slot 6, address 288");
     assert_eq!(read(0x0114, 3, 8), (0, [0, 8, 0, 1]));
-    assert_eq!(cpu.memory.bytes::<8>(layout::M), [0, 3, 0, 1, 0x20, 0, 0, 16], "8192 bytes of bit memory, 16 of them retentive");
+    assert_eq!(
+        cpu.memory.bytes::<8>(layout::M),
+        [0, 3, 0, 1, 0x20, 0, 0, 16],
+        "8192 bytes of bit memory, 16 of them retentive"
+    );
 }
