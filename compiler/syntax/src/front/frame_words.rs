@@ -51,7 +51,7 @@ const OTHERS: [&str; 10] =
     ["BEGIN", "CONST", "END_CONST", "LABEL", "END_LABEL", "STRUCT", "PROGRAM", "END_PROGRAM", "NETWORK", "END_NETWORK"];
 
 /// Words of other languages and tools for a keyword.
-const ALIASES: [(&str, &str); 16] = [
+const ALIASES: [(&str, &str); 19] = [
     ("VAR_IN", "VAR_INPUT"),
     ("VAR_OUT", "VAR_OUTPUT"),
     ("VAR_STAT", "VAR"),
@@ -68,6 +68,9 @@ const ALIASES: [(&str, &str); 16] = [
     ("END_DATENBAUSTEIN", "END_DATA_BLOCK"),
     ("END_ORGANISATIONSBAUSTEIN", "END_ORGANIZATION_BLOCK"),
     ("STRUCTURE", "STRUCT"),
+    ("INSTANCE_DB", "DATA_BLOCK"),
+    ("INSTANCE_DATA_BLOCK", "DATA_BLOCK"),
+    ("END_UDT", "END_TYPE"),
 ];
 
 /// Number of characters of the longest word that may be a misspelt keyword.
@@ -272,11 +275,15 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
         match self.area {
             Area::Outside | Area::Code if token.first_on_line || at == 0 => {
                 let named = self.beside(at + 1).is_some_and(|next| matches!(next.shape, Shape::Word | Shape::Name));
+                // `DATA_BLOCK "M1" "Motor"`
+                let typed = self.beside(at + 2).is_some_and(|ty| ty.shape == Shape::Name) && self.ends_line(at + 3);
+                let heads = self.heads(at + 2);
                 // Slips are looked for last: that takes most time.
                 if named
                     && (self.area == Area::Outside || token.text.len() > 6)
-                    && self.heads(at + 2)
+                    && (heads || typed)
                     && let Some(keyword) = known_or_slip(token.text, BLOCKS)
+                    && (heads || keyword == "DATA_BLOCK")
                 {
                     return meant(1, keyword);
                 }
@@ -340,7 +347,7 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
         ends.unwrap_or(true)
     }
 
-    /// `FUNCTION BLOCK FB 1`, `END VAR`, `END FUNCTION BLOCK`.
+    /// `FUNCTION BLOCK FB 1`, `VAR INPUT`, `END VAR`, `END FUNCTION BLOCK`.
     fn two_words(&self, at: usize, token: Seen<'a>) -> Option<Meant> {
         let next = self.beside(at + 1).filter(|next| next.shape == Shape::Word)?;
         if token.text.eq_ignore_ascii_case("END") {
@@ -354,6 +361,11 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
             return Some(Meant { first: at, count: if third.is_some() { 3 } else { 2 }, keyword });
         }
         let starts = at == 0 || token.first_on_line;
+        if starts && self.area != Area::Code && token.text.eq_ignore_ascii_case("VAR") && self.ends_line(at + 2) {
+            let words = format!("VAR_{}", next.text);
+            let keyword = SECTIONS.into_iter().find(|keyword| keyword.eq_ignore_ascii_case(&words))?;
+            return Some(Meant { first: at, count: 2, keyword });
+        }
         let named = || self.beside(at + 2).is_some_and(|third| matches!(third.shape, Shape::Word | Shape::Name));
         if !starts || !next.text.eq_ignore_ascii_case("BLOCK") || !named() {
             return None;

@@ -93,7 +93,7 @@ impl<'a> Classifier<'a, '_> {
     }
 
     /// `VAR CONSTANT`, `CONST`; the last word of the head is the current token.
-    fn constant_section(&mut self, opening: RawToken, end: Keyword) {
+    pub(super) fn constant_section(&mut self, opening: RawToken, end: Keyword) {
         let last = self.raw[self.at];
         self.push(opening.start as usize, Tok::Constants, last.end as usize);
         self.at += 1;

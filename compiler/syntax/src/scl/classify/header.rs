@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use super::Classifier;
 use super::expression::Run;
 use crate::front::frame::{self, not_in_header};
+use crate::front::frame_words;
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
@@ -43,7 +44,9 @@ impl Classifier<'_, '_> {
                     self.section();
                 }
                 (RawKind::Word, _) if self.header_keyword(self.at) => self.header_word(token),
+                (RawKind::Word, None) if token.first_on_line && self.constants_in_one_word(token) => has_content = true,
                 (RawKind::Word, None) if token.first_on_line && self.misspelt_header(frame) => {}
+                (RawKind::Word, None) if frame == Frame::Data && !has_content && self.letters_before_name(token) => {}
                 (RawKind::Semicolon, _) if frame != Frame::Code => self.at += 1,
                 (RawKind::Colon, _) if frame == Frame::Data && !has_content && self.type_after_colon() => {
                     self.colon_before_type(token);
@@ -240,6 +243,34 @@ impl Classifier<'_, '_> {
                 .help(format!("write `DATA_BLOCK {name} {ty}`")),
         );
         self.at += 1;
+    }
+
+    /// `VAR_CONSTANT`, alone on its line.
+    fn constants_in_one_word(&mut self, word: RawToken) -> bool {
+        let text = self.slice(word);
+        let is_meant = ["VAR_CONSTANT", "VAR_CONSTANTS", "VAR_CONST"].iter().any(|own| own.eq_ignore_ascii_case(text));
+        let alone = self.raw.get(self.at + 1).is_none_or(|next| next.first_on_line);
+        if is_meant && alone {
+            self.report(frame_words::misspelt(self.span(word), text, "VAR CONSTANT"));
+            self.constant_section(word, Keyword::EndVar);
+        }
+        is_meant && alone
+    }
+
+    /// `DATA_BLOCK "M1" FB "Motor"`
+    fn letters_before_name(&mut self, letters: RawToken) -> bool {
+        let text = self.slice(letters);
+        let is_block = ["FB", "SFB", "UDT"].iter().any(|own| own.eq_ignore_ascii_case(text));
+        let next = self.raw.get(self.at + 1).filter(|next| is_block && next.kind == RawKind::Quoted).copied();
+        let Some(next) = next else { return false };
+        let (name, ty) = (self.last_token().map_or("", |name| self.slice(name)), self.slice(next));
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(letters), format!("`{text}` is not written before a name"))
+                .label("read without it")
+                .help(format!("write `DATA_BLOCK {name} {ty}`")),
+        );
+        self.at += 1;
+        true
     }
 
     /// Components without `STRUCT` around them.
