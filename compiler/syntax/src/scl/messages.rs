@@ -259,6 +259,60 @@ impl Recovery {
                 "one sign too many",
                 "remove `,` before `]`".to_owned(),
             ),
+            // `'Pump_DB'(start := TRUE);`
+            (Recovery::Statement, Tok::Literal(_), Tok::LeftParen) if text(before).starts_with('\'') => told(
+                before.0,
+                before.2,
+                "a name is written in double quotes".to_owned(),
+                "a text",
+                format!("write `\"{}\"(…)`", text(before).trim_matches('\'')),
+            ),
+            // `a * [b - c]`
+            (Recovery::Statement | Recovery::Condition | Recovery::Argument, operator, Tok::LeftBracket)
+                if is_operator(operator) || *operator == Tok::Assign =>
+            {
+                let rest = state.text.get(at.2..)?;
+                let inner = rest.split(']').next().filter(|inner| inner.len() < EXPRESSION_MAX);
+                told(
+                    at.0,
+                    at.2,
+                    "an expression is grouped by parentheses".to_owned(),
+                    "begins the index of an array",
+                    format!("write `({})`", inner.unwrap_or("…").trim()),
+                )
+            }
+            // `ARRAY[0,9] OF INT`
+            (Recovery::Declaration, Tok::Literal(_), Tok::Comma)
+                if index
+                    .checked_sub(2)
+                    .and_then(|open| state.tokens.get(open))
+                    .is_some_and(|(_, token, _)| *token == Tok::LeftBracket) =>
+            {
+                let high = state.text.get(at.2..)?.split(']').next().unwrap_or_default().trim();
+                let low = text(before);
+                if !is_digits(high) {
+                    return None;
+                }
+                told(
+                    at.0,
+                    at.2,
+                    "the bounds of an array are separated by two points".to_owned(),
+                    "separates dimensions",
+                    format!("write `{low}..{high}`"),
+                )
+            }
+            // `speed := 5 : INT;`
+            (Recovery::Declaration, Tok::Name(name), Tok::Assign) => {
+                let rest = state.text.get(at.2..)?.split([';', '\n', '\r']).next().unwrap_or_default();
+                let (value, ty) = rest.split_once(':').filter(|(_, ty)| !ty.starts_with('='))?;
+                told(
+                    at.0,
+                    at.2,
+                    "the type of a variable comes before its value".to_owned(),
+                    "a value without a type",
+                    format!("write `{name} : {} := {};`", ty.trim(), value.trim()),
+                )
+            }
             (Recovery::Declaration, Tok::Name(name), Tok::LeftBracket) => {
                 let Some(near) = crate::distance::nearest(name, ["STRING", "WSTRING", "ARRAY"].into_iter()) else {
                     let rest = state.text.get(at.2..)?;
@@ -314,12 +368,13 @@ impl Recovery {
     }
 }
 
+/// An expression that is longer than this is not shown in a help.
+const EXPRESSION_MAX: usize = 80;
 /// How many values of CASE are looked at.
 const CASE_VALUES_MAX: usize = 40;
 /// How many tokens before and after a place are looked at for an assignment.
 const ASSIGNMENT_MAX: usize = 20;
 
-/// Whether the text is a decimal number without a point.
 /// The groups of digits at the beginning of a text: `1 000 000`.
 fn with_blanks(text: &str) -> &str {
     let end = text.char_indices().find(|&(at, c)| {
@@ -329,6 +384,7 @@ fn with_blanks(text: &str) -> &str {
     &text[..end.map_or(text.len(), |(at, _)| at)]
 }
 
+/// Whether the text is a decimal number without a point.
 fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit())
 }

@@ -458,6 +458,10 @@ pub(crate) fn no_component(name: &str, ty: &DataType, span: Span) -> Diagnostic 
             let first: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
             told.help(format!("name one element, as in `[{}].{name}`", first.join(", ")))
         }
+        // `list.#i`
+        DataType::Array(array) if array.bounds.len() == 1 && name.len() <= 2 => {
+            told.help(format!("the index of an array is written in brackets: `[{name}]`"))
+        }
         DataType::Elementary(ty)
             if name
                 .strip_prefix(['X', 'x', 'B', 'b', 'W', 'w'])

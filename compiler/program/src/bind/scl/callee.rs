@@ -190,10 +190,13 @@ impl SclBinder<'_, '_> {
 
     pub(super) fn no_callee(&mut self, span: Span) -> Option<Callee> {
         let text = self.program.globals.text(span);
-        self.program.report(
-            Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be called"))
-                .label("a function, or an instance of a function block, is expected here"),
-        );
+        let message = Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be called"))
+            .label("a function, or an instance of a function block, is expected here");
+        // `(a + b)(c - d)`
+        self.program.report(match text.ends_with(')') {
+            true => message.help("write the operator that is missing before the next `(`, as in `a * (b + c)`"),
+            false => message,
+        });
         None
     }
 

@@ -40,7 +40,7 @@ impl Repair<'_> {
         true
     }
 
-    /// `2; a := 1;` for `2: a := 1;` in CASE.
+    /// `2; a := 1;` for `2: a := 1;` and `1; 2:` for `1, 2:` in CASE.
     pub(super) fn value_of_case_with_semicolon(&mut self) -> bool {
         let at = self.at;
         let inside = self.open.last().is_some_and(|open| open.keyword == Keyword::Case) && self.head.is_none();
@@ -51,6 +51,14 @@ impl Repair<'_> {
             || !matches!(self.kind(first), Some(RawKind::Number | RawKind::Literal))
         {
             return false;
+        }
+        let is_value = |kind| matches!(kind, Some(RawKind::Number | RawKind::Literal));
+        let more = self.beside(at + 1).is_some() && is_value(self.kind(at + 1));
+        if more && matches!(self.kind(at + 2), Some(RawKind::Colon | RawKind::Semicolon | RawKind::Comma)) {
+            let help = format!("write `{}, {}`", self.words(first, first), self.words(at + 1, at + 1));
+            self.report(at, at + 1, "the values of CASE are separated by `,`".to_owned(), "read as `,`", help);
+            self.replace(at, at + 1, RawKind::Comma, None);
+            return true;
         }
         let help = format!("write `{}:`", self.words(first, first));
         self.report(at, at + 1, "a value of CASE ends with `:`".to_owned(), "read as `:`", help);

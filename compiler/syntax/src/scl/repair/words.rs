@@ -8,7 +8,7 @@ use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
 /// Words of other languages for a statement or an operator.
-const ALIASES: [(&str, Keyword); 22] = [
+const ALIASES: [(&str, Keyword); 23] = [
     ("ELIF", Keyword::Elsif),
     ("ELSE_IF", Keyword::Elsif),
     ("WENN", Keyword::If),
@@ -16,6 +16,7 @@ const ALIASES: [(&str, Keyword); 22] = [
     ("SONST", Keyword::Else),
     ("OTHERWISE", Keyword::Else),
     ("DEFAULT", Keyword::Else),
+    ("OTHERS", Keyword::Else),
     ("BREAK", Keyword::Exit),
     ("LEAVE", Keyword::Exit),
     ("ENDE_IF", Keyword::EndIf),
