@@ -138,7 +138,23 @@ pub fn scan(text: &str) -> RawText {
         (token.end, token.keyword) = (end, Some(meant.keyword));
         raw.tokens.drain(meant.first + 1..meant.first + meant.count);
     }
+    misspelt_networks(text, &mut raw.tokens);
     raw
+}
+
+/// `NETWROK` alone before a line with a title.
+fn misspelt_networks(text: &str, tokens: &mut [RawToken]) {
+    for at in 1..tokens.len() {
+        let (word, title) = (tokens[at - 1], tokens[at]);
+        if title.kind != RawKind::Title || !title.first_on_line || !word.first_on_line || word.kind != RawKind::Word {
+            continue;
+        }
+        let own = word.text(text);
+        let known = ["NETWORK", "NETZWERK"].iter().any(|known| known.eq_ignore_ascii_case(own));
+        if !known && word.keyword.is_none() && frame_words::slip_of(own, ["NETWORK"]).is_some() {
+            tokens[at - 1].keyword = Some("NETWORK");
+        }
+    }
 }
 
 fn shape(kind: RawKind) -> Shape {

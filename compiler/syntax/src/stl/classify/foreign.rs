@@ -74,6 +74,9 @@ impl<'a> Classifier<'a, '_> {
         let slice = self.slice(token);
         let index = self.at;
         let upper = self.upper(index);
+        if self.call_without_word(token) {
+            return;
+        }
         match token.kind {
             RawKind::Word if is_section(upper.as_str()) || upper.as_str() == "END_VAR" => {
                 self.report(
@@ -108,6 +111,20 @@ impl<'a> Classifier<'a, '_> {
                     );
                     self.end_of_label();
                     return self.take_up_to(Tok::Label(slice), index + 1);
+                }
+                // `m001; A I 0.0`
+                let ends_wrong = self.kind_at(index + 1) == Some(RawKind::Semicolon)
+                    && self.raw_at(index + 2).is_some_and(|next| !next.first_on_line && next.kind == RawKind::Word)
+                    && self.begins_statement(index + 2)
+                    && !suggest::is_known(upper.as_str());
+                if ends_wrong && token.first_on_line {
+                    self.report(
+                        Diagnostic::new(Code::Syntax, span, format!("the label `{slice}` ends with `:`, not with `;`"))
+                            .label("read as a label")
+                            .help(format!("write `{slice}:`")),
+                    );
+                    self.end_of_label();
+                    return self.take_up_to(Tok::Label(slice), index + 2);
                 }
                 // `; text`, as assemblers of other machines write a comment.
                 let is_comment = !token.first_on_line
@@ -170,6 +187,34 @@ impl<'a> Classifier<'a, '_> {
                 self.bad_statement();
             }
         }
+    }
+
+    /// `#timer (IN := #start)`, `"Motor" (…)`: a call without its word; its parameters are not read.
+    fn call_without_word(&mut self, first: RawToken) -> bool {
+        const TOKENS_MAX: usize = 400;
+        let name = self.at + usize::from(first.kind == RawKind::Hash);
+        let is_name = matches!(self.kind_at(name), Some(RawKind::Word | RawKind::Quoted));
+        let is_call = first.kind != RawKind::Word
+            && is_name
+            && self.kind_at(name + 1) == Some(RawKind::LeftParen)
+            && matches!(self.kind_at(name + 2), Some(RawKind::Word | RawKind::Quoted))
+            && self.kind_at(name + 3) == Some(RawKind::Assign);
+        let mut rest = self.raw.iter().enumerate().skip(name + 2).take(TOKENS_MAX);
+        let Some((close, _)) = rest.find(|(_, token)| token.kind == RawKind::RightParen).filter(|_| is_call) else {
+            return false;
+        };
+        let (start, end) = (first.start as usize, self.raw[name].end as usize);
+        let block = &self.text[start..end];
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span_of(start, end), format!("`CALL` is missing before `{block}`"))
+                .label("a call of other languages")
+                .help(format!("write `CALL {block} (…)`")),
+        );
+        self.at = close + 1;
+        let end = self.last_end();
+        self.push(start, Tok::BadStatement, end);
+        self.end_statement();
+        true
     }
 
     /// `1lab` of `1lab:` at `index`.

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
 use crate::article::with_article;
+use crate::ast::BlockPrefix;
 use crate::front::frame::{self, not_in_header};
 use crate::stl::mnemonics::{block_prefix, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
@@ -167,6 +168,18 @@ impl<'a> Classifier<'a, '_> {
                     let name = self.slice(token);
                     self.take(Tok::Name(name));
                 }
+            }
+            // `FUNCTION_BLOCK 10`
+            Some(token) if token.kind == RawKind::Number && !token.first_on_line => {
+                let number = self.slice(token);
+                let known = BLOCK_LETTERS.iter().find(|(word, ..)| word.eq_ignore_ascii_case(keyword));
+                let (_, letters, prefix) = known.copied().unwrap_or(BLOCK_LETTERS[0]);
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, self.span(token), "the letters before the number are missing")
+                        .label("only a number")
+                        .help(format!("write `{keyword} {letters} {number}`")),
+                );
+                self.take(Tok::Block(prefix, number.replace('_', "").parse().unwrap_or(u32::MAX)));
             }
             found => {
                 let end = self.last_end();
@@ -537,6 +550,15 @@ impl<'a> Classifier<'a, '_> {
         self.push(end, Tok::EndBlock, end);
     }
 }
+
+/// Words that begin a block, with the letters of its number.
+const BLOCK_LETTERS: [(&str, &str, BlockPrefix); 5] = [
+    ("FUNCTION_BLOCK", "FB", BlockPrefix::Fb),
+    ("FUNCTION", "FC", BlockPrefix::Fc),
+    ("ORGANIZATION_BLOCK", "OB", BlockPrefix::Ob),
+    ("DATA_BLOCK", "DB", BlockPrefix::Db),
+    ("TYPE", "UDT", BlockPrefix::Udt),
+];
 
 /// Text after `TITLE =`.
 pub(super) fn title_text(token: &str) -> &str {
