@@ -122,11 +122,19 @@ pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Opera
     };
     if !callable {
         let shown = &text[target.span.range()];
+        let other =
+            instance.filter(|instance| matches!(form(&instance.kind), Form::Block(BlockPrefix::Fb | BlockPrefix::Sfb)));
+        let help = match other {
+            Some(block) => {
+                format!("write `CALL {}, {shown}`: the block comes before its data", &text[block.span.range()])
+            }
+            None => "write e.g. `CALL FC 1` or `CALL FB 1, DB 1`".to_owned(),
+        };
         return Some(
             Diagnostic::new(Code::OperandKind, target.span, format!("`{shown}` is not a block that `CALL` can call"))
                 .label(describe(&target.kind))
                 .also(keyword, "calls an FC, FB, SFC or SFB")
-                .help("write e.g. `CALL FC 1` or `CALL FB 1, DB 1`"),
+                .help(help),
         );
     }
     let instance = instance?;

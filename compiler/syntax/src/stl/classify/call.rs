@@ -4,7 +4,8 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::{Classifier, unquoted};
 use crate::stl::OperandClass;
-use crate::stl::raw::RawKind;
+use crate::stl::mnemonics::letters_and_digits;
+use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 
 impl Classifier<'_, '_> {
@@ -31,10 +32,34 @@ impl Classifier<'_, '_> {
                     self.second_statement(token);
                     break;
                 }
-                _ => self.operand_token(),
+                _ => {
+                    self.comma_before_instance(token);
+                    self.operand_token();
+                }
             }
         }
         self.end_statement();
+    }
+
+    /// `CALL FB 10 DB 10`, `CALL "Motor" "Motor_DB"`: adds the comma before the instance.
+    fn comma_before_instance(&mut self, token: RawToken) {
+        let after_block = matches!(self.last(), Some(Tok::Block(..) | Tok::Quoted(_)));
+        let upper = self.upper(self.at);
+        let is_block = token.kind == RawKind::Quoted || letters_and_digits(upper.as_str()).0 == "DB";
+        if !after_block || !is_block || token.first_on_line {
+            return;
+        }
+        let number = self.raw_at(self.at + 1).filter(|next| next.kind == RawKind::Number && !next.first_on_line);
+        let end = number.filter(|_| upper.as_str() == "DB").map_or(token.end, |number| number.end);
+        let span = self.span_of(token.start as usize, end as usize);
+        let instance = &self.text[span.range()];
+        self.report(
+            Diagnostic::new(Code::Syntax, span, "`,` is missing before the instance data block")
+                .label("the data block of the call")
+                .help(format!("write `, {instance}`")),
+        );
+        let at = token.start as usize;
+        self.push(at, Tok::Comma, at);
     }
 
     /// `{time_type := Time}` of newer tools: the data types for which an instruction or a block of the system is called.
