@@ -123,6 +123,8 @@ struct Repair<'t> {
     data: bool,
     /// BEGIN of the block has been passed.
     statements_begun: bool,
+    /// The `}` of groups of statements.
+    group_ends: HashSet<usize>,
     /// `{` for THEN was reported.
     braces_reported: bool,
     /// BEGIN inside of a statement was reported in this block.
@@ -155,6 +157,7 @@ impl<'t> Repair<'t> {
             messages: Vec::new(),
             data: false,
             statements_begun: false,
+            group_ends: HashSet::new(),
             braces_reported: false,
             begins_reported: false,
             loops: 0,

@@ -75,7 +75,7 @@ impl Classifier<'_, '_> {
     }
 
     /// Whether a `}` follows before anything that no list of attributes contains.
-    fn attributes_end(&self) -> bool {
+    pub(super) fn attributes_end(&self) -> bool {
         for token in self.raw[self.at..].iter().take(LIST_MAX) {
             if token.kind == RawKind::RightBrace {
                 return true;

@@ -331,16 +331,25 @@ impl<'a> Classifier<'a, '_> {
     /// `{ … }` among statements.
     pub(super) fn skip_braces(&mut self) {
         let opening = self.raw[self.at];
+        let span = self.span(opening);
+        self.at += 1;
+        if !self.attributes_end() {
+            self.report(
+                Diagnostic::new(Code::Syntax, span, "`{` is not closed")
+                    .label("begins a list of attributes, which has no meaning among statements")
+                    .help("remove it and the list"),
+            );
+            while self.peek().is_some_and(|token| !token.first_on_line) {
+                self.at += 1;
+            }
+            return;
+        }
         while let Some(token) = self.peek() {
             self.at += 1;
             if token.kind == RawKind::RightBrace {
                 break;
             }
-            if token.kind == RawKind::Semicolon && token.first_on_line {
-                break;
-            }
         }
-        let span = self.span(opening);
         self.tolerate(
             span,
             "an attribute list is not allowed among statements",

@@ -5,6 +5,9 @@ use super::{Area, Head, Open, Repair, begins_operand, ends_operand};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
+/// Tokens of a group in braces.
+const GROUP_MAX: usize = 2000;
+
 impl Repair<'_> {
     /// Repairs a part of a head, or a brace.
     pub(super) fn repair_head(&mut self, token: RawToken) -> bool {
@@ -212,7 +215,7 @@ impl Repair<'_> {
         let wanted = match &self.head {
             Some(head) if matches!(head.wanted, Keyword::Then | Keyword::Do) => Some(head.wanted),
             None if after_else => None,
-            _ => return false,
+            _ => return self.group_of_statements(),
         };
         let Some(open) = self.open.last_mut() else { return false };
         let (statement, end) = (open.keyword, super::closer(open.keyword));
@@ -235,8 +238,38 @@ impl Repair<'_> {
         true
     }
 
+    /// `{ a := 1; }` without a head before it: the braces are left out. A list of attributes has texts as its values.
+    fn group_of_statements(&mut self) -> bool {
+        let at = self.at;
+        // Structured text of IEC 61131-3 has conditions for the compiler in braces.
+        if self.iec || self.head.is_some() || !self.brackets.is_empty() || self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let close = self.closing_brace(at, GROUP_MAX).filter(|close| self.kind(*close) == Some(RawKind::RightBrace));
+        let Some(close) = close else { return false };
+        let is_statement = |index: usize| match self.kind(index) {
+            Some(RawKind::Local | RawKind::LeftParen | RawKind::LeftBracket) => true,
+            Some(RawKind::Assign) => self.kind(index + 1) != Some(RawKind::Text),
+            _ => self.keyword(index).is_some_and(Keyword::begins_statement),
+        };
+        if !(at + 1..close).any(is_statement) {
+            return false;
+        }
+        let help = "remove `{` and the `}` that belongs to it".to_owned();
+        self.report(at, at + 1, "statements are not grouped by braces".to_owned(), "a form of other languages", help);
+        self.group_ends.insert(close);
+        self.drop_tokens(at, at + 1);
+        self.statement = self.at;
+        true
+    }
+
     /// `}` for END_IF and others.
     fn closed_brace(&mut self) -> bool {
+        if self.group_ends.remove(&self.at) {
+            self.drop_tokens(self.at, self.at + 1);
+            self.statement = self.at;
+            return true;
+        }
         let Some(index) = self.open.iter().rposition(|open| open.brace) else { return false };
         let at = self.at;
         let more = match self.token(at + 1) {
