@@ -42,11 +42,25 @@ impl BlockLowering<'_, '_> {
         };
         let value = self.read_at(located, layout::width(ty));
         let value = self.typed(value, ty);
+        let value = match located.character() {
+            Some(there) => {
+                self.fail_without(there);
+                let none = self.zero(ty);
+                self.b.select(there, value, none)
+            }
+            None => value,
+        };
         self.part_of(access, value)
     }
 
+    /// A character that its text does not have clears the bit.
+    fn fail_without(&mut self, there: Value) {
+        let missing = self.b.not(there);
+        self.fail_if(missing);
+    }
+
     /// As [`read`](Self::read).
-    fn read_at(&mut self, located: &Located, width: Width) -> Value {
+    pub(super) fn read_at(&mut self, located: &Located, width: Width) -> Value {
         let result = self.result_of(width);
         let by_reference = self.by_located_reference(located, width, Direction::Read, &mut |this, target| {
             let value = this.read_target(target, width);
@@ -87,8 +101,13 @@ impl BlockLowering<'_, '_> {
             unreachable!("the binder writes elementary variables as values")
         };
         let width = layout::width(ty);
-        let Some(part) = access.part else { return self.store_whole(located, ty, value) };
-        if matches!(access.base, Base::Place(Place::Pq { .. })) && part.width == Width::Bit {
+        if access.part.is_none() && located.character().is_none() {
+            return self.store_whole(located, ty, value);
+        }
+        if let Some(part) = access.part
+            && matches!(access.base, Base::Place(Place::Pq { .. }))
+            && part.width == Width::Bit
+        {
             let target = self.located_target(located, width, Direction::Write);
             if let TargetKind::Peripheral { address, .. } = target.kind {
                 return self.write_peripheral_bit(address, part.index, value);
@@ -99,7 +118,15 @@ impl BlockLowering<'_, '_> {
         let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
         let before = self.read_at(located, width);
         let before = self.typed(before, ty);
-        let whole = self.with_part(before, part, value);
+        let mut whole = match access.part {
+            Some(part) => self.with_part(before, part, value),
+            None => value,
+        };
+        // In the place of a character that its text does not have, the first one keeps its value.
+        if let Some(there) = located.character() {
+            self.fail_without(there);
+            whole = self.b.select(there, whole, before);
+        }
         self.store_whole(located, ty, whole);
         self.end_guard(guard);
     }

@@ -20,6 +20,8 @@ pub struct Located<'m> {
     offset: Option<Value>,
     /// Indices that are out of bounds: the value is right if all hold.
     in_bounds: Option<Value>,
+    /// Whether the text has the character that this is, if it is one of a text by its index; `offset` is that of the first one otherwise.
+    character: Option<Value>,
     /// The index, if there is one and `in_bounds` is about it alone.
     index: Option<Value>,
 }
@@ -48,7 +50,13 @@ enum LocatedArea {
 impl<'m> Located<'m> {
     /// An element of the array at `place`, `offset` bits after its first one. `index`: if there is only one.
     pub fn element(place: &'m Place, offset: Value, in_bounds: Value, index: Option<Value>) -> Located<'m> {
-        Located { base: LocatedBase::Place(place), offset: Some(offset), in_bounds: Some(in_bounds), index }
+        let in_bounds = Some(in_bounds);
+        Located { base: LocatedBase::Place(place), offset: Some(offset), in_bounds, character: None, index }
+    }
+
+    /// Whether the text has this character: if not, it reads 0 and is not written. `None`: it is no character, or always there.
+    pub const fn character(&self) -> Option<Value> {
+        self.character
     }
 
     /// False for places that are, or may be, in the peripheral area.
@@ -85,21 +93,46 @@ impl BlockLowering<'_, '_> {
             }
         };
         let (mut offset, mut in_bounds) = (None, self.is_in_db(access, &base));
+        let mut character = None;
         let (alone, mut only) = (in_bounds.is_none() && access.indices.len() == 1, None);
         for (at, index) in access.indices.iter().enumerate() {
             let value = self.signed_index(&index.value);
             only = alone.then_some(value);
-            let (distance, ok) = self.index(index, value, &access.indices[at + 1..]);
+            let (mut distance, ok) = self.index(index, value, &access.indices[at + 1..]);
+            let of_text = matches!(index.bounds, IndexBounds::Characters { .. });
+            if of_text {
+                let ok = self.is_in_text(access, index, value, ok);
+                let first = self.b.i32_const(0);
+                distance = self.b.select(ok, distance, first);
+                character = Some(ok);
+            }
             offset = Some(match offset {
                 Some(before) => self.b.iadd(before, distance),
                 None => distance,
             });
+            if of_text {
+                continue;
+            }
             in_bounds = Some(match in_bounds {
                 Some(before) => self.b.and(before, ok),
                 None => ok,
             });
         }
-        Located { base, offset, in_bounds, index: only }
+        Located { base, offset, in_bounds, character, index: only }
+    }
+
+    /// Whether a text has the character with number `value`: `declared`, and its head says so, if that counts.
+    fn is_in_text(&mut self, access: &Access, index: &Index, value: Value, declared: Value) -> Value {
+        let (IndexBounds::Characters { in_head: true, .. }, Base::Place(first)) = (index.bounds, &access.base) else {
+            return declared;
+        };
+        let width = if index.stride == 8 { Width::Byte } else { Width::Word };
+        let Some(head) = place_before(first, 2 * width.bytes()) else { return declared };
+        let at_head =
+            Located { base: LocatedBase::Place(&head), offset: None, in_bounds: None, character: None, index: None };
+        let maximum = self.read_at(&at_head, width);
+        let there = self.b.icmp(IntCc::Ule, value, maximum);
+        self.b.and(declared, there)
     }
 
     /// Whether all of a structure or of an array that a reference refers to is in its DB; `None`: each access finds that out.
@@ -108,11 +141,9 @@ impl BlockLowering<'_, '_> {
         if access.indices.is_empty() && access.elementary().is_some() {
             return None;
         }
-        let last = access.indices.iter().map(|index| match index.bounds {
-            IndexBounds::Known(low, high) => {
-                (i64::from(high) - i64::from(low)).unsigned_abs() * u64::from(index.stride)
-            }
-            IndexBounds::Open { .. } => 0,
+        let last = access.indices.iter().map(|index| match index.bounds.known() {
+            Some((low, high)) => (i64::from(high) - i64::from(low)).unsigned_abs() * u64::from(index.stride),
+            None => 0,
         });
         let bytes = last.sum::<u64>().div_ceil(8) + u64::from(layout::bytes(&access.ty));
         let length = self.b.db_length(*db);
@@ -157,6 +188,7 @@ impl BlockLowering<'_, '_> {
     fn index(&mut self, index: &Index, value: Value, after: &[Index]) -> (Value, Value) {
         match index.bounds {
             IndexBounds::Known(low, high) => self.index_in_bounds(value, (low, high), index.stride),
+            IndexBounds::Characters { length, .. } => self.index_in_bounds(value, (1, length), index.stride),
             IndexBounds::Open { parameter, dimension } => {
                 let (low, high) = self.open_bounds(parameter, dimension);
                 let above = self.b.icmp(IntCc::Sge, value, low);
@@ -245,6 +277,14 @@ impl BlockLowering<'_, '_> {
     /// Whether the indices are in bounds, if that is not known before the program runs.
     fn open_question(&self, located: &Located) -> Option<Value> {
         located.in_bounds.filter(|&ok| self.b.constant_bits(ok) != Some(1))
+    }
+
+    /// As [`open_question`](Self::open_question), and whether a text has the character.
+    fn is_there(&mut self, located: &Located) -> Option<Value> {
+        match (self.open_question(located), located.character) {
+            (Some(in_bounds), Some(character)) => Some(self.b.and(in_bounds, character)),
+            (in_bounds, character) => in_bounds.or(character),
+        }
     }
 
     fn indexed_target(
@@ -394,7 +434,7 @@ impl BlockLowering<'_, '_> {
     /// As [`located_pointer`](Self::located_pointer), but with an index outside its bounds the pointer is into no data block.
     pub fn pointer_in_bounds(&mut self, located: &Located) -> PointerFields {
         let fields = self.located_pointer(located);
-        let Some(ok) = self.open_question(located) else { return fields };
+        let Some(ok) = self.is_there(located) else { return fields };
         let (no_db, nowhere) = (self.b.i32_const(0), self.b.i32_const(u32::from(area::DB) << 24));
         PointerFields { db: self.b.select(ok, fields.db, no_db), pointer: self.b.select(ok, fields.pointer, nowhere) }
     }
@@ -406,6 +446,28 @@ impl BlockLowering<'_, '_> {
         self.end_guard(guard);
         self.pointer_in_bounds(located)
     }
+}
+
+/// The place `bytes` before one in a variable that is passed by reference; `None`: it is in none.
+fn place_before(place: &Place, bytes: u32) -> Option<Place> {
+    let mut before = place.clone();
+    match &mut before {
+        Place::Parameter { byte, .. } | Place::ThroughPointer { byte, .. } => *byte = byte.checked_sub(bytes)?,
+        Place::I { .. }
+        | Place::Q { .. }
+        | Place::M { .. }
+        | Place::L { .. }
+        | Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Db { .. }
+        | Place::Instance { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. }
+        | Place::Element { .. } => return None,
+    }
+    Some(before)
 }
 
 const fn place_area(place: &Place) -> PlaceArea {

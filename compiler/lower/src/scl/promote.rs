@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use plcc_model::layout;
 use plcc_model::scl::walk::{self, Role, Visitor};
-use plcc_model::scl::{Access, Base, IndexBounds, SclBody, Statement, StatementKind};
+use plcc_model::scl::{Access, Base, SclBody, Statement, StatementKind};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Assert, AssertSide, CodeBlock, Direction, Operand, Passing, Place};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -219,7 +219,7 @@ pub fn reach(access: &Access) -> u32 {
     let whole_stack = 8 * plcc_abi::layout::L_CLASS_BYTES;
     let mut bits = 8 * u64::from(layout::bytes(&access.ty));
     for index in &access.indices {
-        let IndexBounds::Known(low, high) = index.bounds else { return whole_stack };
+        let Some((low, high)) = index.bounds.known() else { return whole_stack };
         bits += u64::try_from(i64::from(high) - i64::from(low)).unwrap_or(0) * u64::from(index.stride);
     }
     u32::try_from(bits).map_or(whole_stack, |bits| bits.min(whole_stack))

@@ -6,8 +6,7 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::Span;
 use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{
-    Access as Variable, Actual, Base, Call, Complex, Expr, ExprKind, IndexBounds, Instance, SclBody, Statement,
-    StatementKind,
+    Access as Variable, Actual, Base, Call, Complex, Expr, ExprKind, Instance, SclBody, Statement, StatementKind,
 };
 use plcc_model::{BlockKey, CellKind, Number, Place, Program, layout};
 
@@ -101,12 +100,12 @@ impl Visitor for Walk<'_, '_, '_> {
         let Base::Place(place) = &variable.base else { return };
         let own = variable.elementary().map_or_else(|| layout::used_bits(&variable.ty), |ty| ty.bits());
         // All elements that a computed index can choose.
-        let bits = variable.indices.iter().fold(own, |bits, index| match index.bounds {
-            IndexBounds::Known(low, high) => {
+        let bits = variable.indices.iter().fold(own, |bits, index| match index.bounds.known() {
+            Some((low, high)) => {
                 let others = u32::try_from(i64::from(high) - i64::from(low)).unwrap_or(0);
                 bits.saturating_add(others.saturating_mul(index.stride))
             }
-            IndexBounds::Open { .. } => bits,
+            None => bits,
         });
         let met = Met { identity: variable, place: place.clone(), bits, span: variable.span };
         self.variables.push((met, self.collector.network));

@@ -96,7 +96,9 @@ impl BlockLowering<'_, '_> {
         else {
             return None;
         };
+        // A character may not be there.
         let fits = access.part.is_none()
+            && located.character().is_none()
             && access.elementary().is_some_and(|ty| layout::width(ty) == width)
             && located.is_memory();
         if !fits {

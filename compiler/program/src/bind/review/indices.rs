@@ -3,7 +3,7 @@
 //! Only statements that each pass reaches count, in loops with constant limits that nothing leaves.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_model::scl::{Access, Conversion, Expr, ExprKind, IndexBounds, Statement, StatementKind, walk};
+use plcc_model::scl::{Access, Conversion, Expr, ExprKind, Statement, StatementKind, walk};
 
 use super::region::Bits;
 use super::tree::known;
@@ -100,7 +100,7 @@ impl Used {
 impl walk::Visitor for Used {
     fn access(&mut self, access: &Access, _role: walk::Role) {
         for index in &access.indices {
-            if let IndexBounds::Known(low, high) = index.bounds
+            if let Some((low, high)) = index.bounds.known()
                 && self.beyond.is_none()
                 && self.is_counted(&index.value)
             {

@@ -1,7 +1,7 @@
 //! Fixed parts of memory, in bits.
 
 use plcc_model::layout;
-use plcc_model::scl::{Access, Base, IndexBounds};
+use plcc_model::scl::{Access, Base};
 use plcc_model::types::DataType;
 use plcc_model::{Place, PlaceArea};
 
@@ -66,12 +66,12 @@ impl Bits {
         };
         let mut bits = own.max(1);
         for index in &access.indices {
-            match index.bounds {
-                IndexBounds::Known(low, high) => {
+            match index.bounds.known() {
+                Some((low, high)) => {
                     let steps = i64::from(high).saturating_sub(low.into()).max(0) as u64;
                     bits = bits.saturating_add(steps.saturating_mul(index.stride.into()));
                 }
-                IndexBounds::Open { .. } => bits = u64::MAX,
+                None => bits = u64::MAX,
             }
         }
         Bits::at(place, bits)

@@ -50,7 +50,7 @@ impl Run {
     fn last(&self) -> Expr {
         let span = self.array.span;
         match self.bounds {
-            IndexBounds::Known(_, high) => number(high, span),
+            IndexBounds::Known(_, high) | IndexBounds::Characters { length: high, .. } => number(high, span),
             IndexBounds::Open { parameter, .. } => bound(parameter, number(0, span), true, span),
         }
     }

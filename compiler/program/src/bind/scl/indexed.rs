@@ -13,7 +13,7 @@ use super::convert;
 use super::expression::typed_constant;
 use super::place::{Db, Root, Spot, Thing};
 use super::value::Value;
-use super::{Intent, constant, message};
+use super::{Intent, Rules, constant, message};
 use crate::bind::declarations::path::{self, Variable, type_of_width};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
@@ -46,11 +46,11 @@ impl SclBinder<'_, '_> {
             DataType::OpenArray(open) => self.open_element(ctx, spot, &open, positions, span),
             DataType::String(length) => {
                 let character = (Elementary::Char, STRING_HEADER, 1);
-                self.character(spot, i64::from(length), character, positions, span)
+                self.character(ctx.scope.rules, spot, length.into(), character, positions, span)
             }
             DataType::WideString(length) => {
                 let character = (Elementary::Wchar, WIDE_HEADER, 2);
-                self.character(spot, i64::from(length), character, positions, span)
+                self.character(ctx.scope.rules, spot, length.into(), character, positions, span)
             }
             other => {
                 let label = format!("the name before it is of type {}", layout::type_name(&other));
@@ -166,10 +166,12 @@ impl SclBinder<'_, '_> {
         Some(spot)
     }
 
+    /// A character of a text. In the TIA Portal for S7-1200 and S7-1500 one that the text does not have is no fault. Source: SCL reference, texts.
     fn character(
         &mut self,
+        rules: Rules,
         mut spot: Spot,
-        length: i64,
+        length: i32,
         (ty, header, bytes): (Elementary, u32, u32),
         positions: Vec<Position>,
         span: Span,
@@ -178,9 +180,21 @@ impl SclBinder<'_, '_> {
             self.refuse(Code::ArrayIndex, span, "a text has one index", "more than one given", "");
             return None;
         };
+        // A formal has as many characters as its actual.
+        let in_head = !rules.is_300()
+            && spot.byte == 0
+            && spot.indices.is_empty()
+            && matches!(spot.root, Root::Fixed(path::Base::Parameter(_) | path::Base::ThroughPointer(_)));
         spot.byte += header;
         match position {
-            Position::Known(index) if (1..=length).contains(&index) => spot.byte += (index - 1) as u32 * bytes,
+            Position::Known(index) if (2..=i64::from(length)).contains(&index) && in_head => {
+                let value = super::expression::constant_expr(index as u64, Elementary::Dint, span);
+                let bounds = IndexBounds::Characters { length, in_head };
+                spot.indices.push(Index { value, bounds, stride: bytes * 8 });
+            }
+            Position::Known(index) if (1..=i64::from(length)).contains(&index) => {
+                spot.byte += (index - 1) as u32 * bytes;
+            }
             Position::Known(_) => {
                 let label = format!("it has the characters 1 to {length}");
                 let help = format!("write an index from 1 to {length}");
@@ -188,7 +202,10 @@ impl SclBinder<'_, '_> {
                 return None;
             }
             Position::Dynamic(value) => {
-                let bounds = IndexBounds::Known(1, length as i32);
+                let bounds = match rules.is_300() {
+                    true => IndexBounds::Known(1, length),
+                    false => IndexBounds::Characters { length, in_head },
+                };
                 spot.indices.push(Index { value, bounds, stride: bytes * 8 });
             }
         }

@@ -175,7 +175,7 @@ fn arrays_and_slices() {
     check("#b := #w.%X3;", "S14.0 := S16.0.Bit3");
     check("#dw.%B1 := #by;", "S18.0.Byte1 := S15.0");
     check("#ch := #s[2];", "S68.0 := S29.0");
-    check("#ch := #s[#i];", "S68.0 := S28.0[INT->DINT(S0.0) in 1..4 by 8]");
+    check("#ch := #s[#i];", "S68.0 := S28.0[INT->DINT(S0.0) in characters 1..4 by 8]");
     codes(UNNAMED, "#i := #a[4];", &["P0403"]);
     codes(UNNAMED, "#i := #a[1, 1];", &["P0403"]);
     codes(UNNAMED, "#b := #w.%X16;", &["P0403"]);

@@ -117,6 +117,9 @@ pub fn access(access: &Access) -> String {
     for index in &access.indices {
         let bounds = match index.bounds {
             IndexBounds::Known(low, high) => format!("{low}..{high}"),
+            IndexBounds::Characters { length, in_head } => {
+                format!("characters 1..{length}{}", if in_head { " of the head" } else { "" })
+            }
             IndexBounds::Open { parameter, dimension } => format!("{parameter}:{dimension}"),
         };
         text += &format!("[{} in {bounds} by {}]", expr(&index.value), index.stride);
