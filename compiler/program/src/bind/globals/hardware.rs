@@ -53,20 +53,26 @@ impl Globals<'_> {
 
     /// Reports an address in a data block with optimised access; `None`: no optimised access.
     pub fn check_absolute_access(&mut self, number: u16, span: Span) -> Option<()> {
+        let title = format!("`{}` is an address in a block with optimised access", self.text(span));
+        self.check_standard_access(number, span, title)
+    }
+
+    /// The same for PEEK and POKE, whose data block has this number.
+    pub fn check_coded_access(&mut self, number: u16, span: Span) -> Option<()> {
+        let title = "PEEK and POKE cannot reach a block with optimised access".to_owned();
+        self.check_standard_access(number, span, title)
+    }
+
+    fn check_standard_access(&mut self, number: u16, span: Span, title: String) -> Option<()> {
         let Some(data) = self.sources.data.get(&number).copied() else { return Some(()) };
         if !self.input.profile.family.is_portal() || !is_optimized(&data.header) {
             return Some(());
         }
-        let (declared, text) = (data.name.span(), self.text(span));
         self.report.push(
-            Diagnostic::new(
-                Code::OperandKind,
-                span,
-                format!("`{text}` is an address in a block with optimised access"),
-            )
-            .label(format!("DB {number} has no addresses"))
-            .also(declared, "`S7_Optimized_Access` is TRUE here")
-            .help("write the name of the component, or switch off the optimised access of the data block"),
+            Diagnostic::new(Code::OperandKind, span, title)
+                .label(format!("DB {number} has no addresses"))
+                .also(data.name.span(), "`S7_Optimized_Access` is TRUE here")
+                .help("write the name of the component, or switch off the optimised access of the data block"),
         );
         None
     }

@@ -24,6 +24,9 @@ use plcc_model::scl::{
 use plcc_model::types::DataType;
 use plcc_model::{Number, Place};
 
+/// The area of PEEK and POKE for data blocks.
+const DATA_BLOCKS: u64 = 0x84;
+
 /// [`IndexedArea::Coded`] lists the memory areas that PEEK and POKE reach.
 struct Coded {
     area: Box<Expr>,
@@ -154,9 +157,14 @@ impl SclBinder<'_, '_> {
 
     fn coded(&mut self, ctx: &mut SclBlock, names: (&str, &str, &str), pins: &Pins) -> Option<Coded> {
         let area = self.of_type(ctx, pins.get(names.0)?, Elementary::Byte);
-        let db = self.db_number(ctx, pins.get(names.1)?);
+        let number = pins.get(names.1)?;
+        let db = self.db_number(ctx, number);
         let byte = self.of_type(ctx, pins.get(names.2)?, Elementary::Dint);
-        Some(Coded { area: Box::new(area?), db: Box::new(db?), byte: Box::new(byte?) })
+        let (area, db, byte) = (area?, db?, byte?);
+        if let (ExprKind::Const(DATA_BLOCKS), ExprKind::Const(known)) = (&area.kind, &db.kind) {
+            self.program.globals.check_coded_access(*known as u16, number.span)?;
+        }
+        Some(Coded { area: Box::new(area), db: Box::new(db), byte: Box::new(byte) })
     }
 
     /// The number of a data block: any integer, or the block itself.
