@@ -7,6 +7,7 @@ use plcc_binding::fold;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, IndexedArea};
 use plcc_model::types::DataType;
+use plcc_model::{Direction, Passing};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Area, BlockPrefix, OperandKind, Width};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
@@ -290,8 +291,10 @@ impl SclBinder<'_, '_> {
             );
             return None;
         }
-        if intent == Intent::Read {
-            return Some(());
+        match intent {
+            Intent::Read => return Some(()),
+            Intent::Write => self.warn_of_input(ctx, spot, span),
+            Intent::Both => {}
         }
         if ctx.block.bound.constant_db.is_some_and(|number| spot.lies_in_db(number)) {
             let title = format!("`{text}` cannot be written");
@@ -333,5 +336,25 @@ impl SclBinder<'_, '_> {
             }
         }
         Some(())
+    }
+
+    /// Warns once of an input that is written although it is a reference: the variable of the caller changes.
+    fn warn_of_input(&mut self, ctx: &SclBlock, spot: &Spot, span: Span) {
+        let Root::Fixed(path::Base::Parameter(number)) = spot.root else { return };
+        let Some(parameter) = ctx.block.bound.interface.parameters.get(number) else { return };
+        let is_reference = matches!(parameter.passing, Passing::Complex { .. } | Passing::OpenArray { .. });
+        if parameter.direction != Direction::Input || !is_reference {
+            return;
+        }
+        let (name, block) = (&parameter.name, self.program.globals.shown(ctx.block.key));
+        let title = format!("`{name}` is an input of {block}: writing it changes the variable of the caller");
+        if self.program.globals.report.diagnostics.iter().any(|known| known.title == title) {
+            return;
+        }
+        let mut message = Diagnostic::new(Code::Protected, span, title)
+            .label("texts, structures and arrays are passed by reference")
+            .help(format!("declare `{name}` in VAR_IN_OUT, or write a copy of it in VAR_TEMP"));
+        message.severity = plcc_diag::Severity::Warning;
+        self.program.report(message);
     }
 }
