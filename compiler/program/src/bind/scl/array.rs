@@ -85,10 +85,14 @@ impl SclBinder<'_, '_> {
         let (start, end, step) = match may_overlap(&source.array, &target.array) {
             // Backwards if the target comes after the source, as if through a buffer.
             true => {
+                let place = match distance(&source, &target) {
+                    0 => to.clone(),
+                    elements => binary(BinaryOp::Add, to.clone(), number(elements, span)),
+                };
                 let after = || Expr {
                     kind: ExprKind::Compare {
                         op: CompareOp::Greater,
-                        left: Box::new(to.clone()),
+                        left: Box::new(place.clone()),
                         right: Box::new(from.clone()),
                     },
                     ty: Elementary::Bool,
@@ -308,10 +312,59 @@ fn may_overlap(a: &Access, b: &Access) -> bool {
             Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }) | Base::Indexed { .. }
         )
     };
-    match (&a.base, &b.base) {
-        (Base::Place(a), Base::Place(b)) if a == b => true,
-        _ => far(a) || far(b) || !a.indices.is_empty() || !b.indices.is_empty(),
+    if far(a) || far(b) || !a.indices.is_empty() || !b.indices.is_empty() {
+        return true;
     }
+    match (placed(a), placed(b)) {
+        (Some((area, start)), Some((other, first))) => {
+            let bits = |access: &Access| 8 * i64::from(layout::bytes(&access.ty));
+            area == other && start < first + bits(b) && first < start + bits(a)
+        }
+        _ => matches!((&a.base, &b.base), (Base::Place(a), Base::Place(b)) if a == b),
+    }
+}
+
+/// What has to be added to the number of an element of `target`, to compare it with one of `source` by where they are: both may be views of one
+/// variable.
+fn distance(source: &Run, target: &Run) -> i32 {
+    let (IndexBounds::Known(from, _), IndexBounds::Known(to, _)) = (source.bounds, target.bounds) else { return 0 };
+    let bits = match (placed(&source.array), placed(&target.array)) {
+        (Some((area, start)), Some((other, first))) if area == other => first - start,
+        _ => 0,
+    };
+    let stride = i64::from(source.stride.max(1));
+    // A part of an element counts as one.
+    let elements = (bits + stride - 1).div_euclid(stride);
+    i32::try_from(elements + i64::from(from) - i64::from(to)).unwrap_or(0)
+}
+
+/// The area, data block or parameter in which a variable is, as the place where it begins, and the distance from there in bits. `None`: the
+/// place is only known when the program runs.
+fn placed(access: &Access) -> Option<(Place, i64)> {
+    let Base::Place(place) = &access.base else { return None };
+    let mut area = place.clone();
+    let distance = match &mut area {
+        Place::I { byte, bit }
+        | Place::Q { byte, bit }
+        | Place::M { byte, bit }
+        | Place::L { byte, bit }
+        | Place::OpenDb { byte, bit }
+        | Place::OpenDi { byte, bit }
+        | Place::Db { byte, bit, .. }
+        | Place::Instance { byte, bit }
+        | Place::Parameter { byte, bit, .. }
+        | Place::ThroughPointer { byte, bit, .. } => {
+            let distance = 8 * i64::from(*byte) + i64::from(*bit);
+            (*byte, *bit) = (0, 0);
+            distance
+        }
+        Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. }
+        | Place::Element { .. } => return None,
+    };
+    Some((area, distance))
 }
 
 /// The number of the first element and the count, if both are constants, all elements are in the array, and they are whole bytes.
