@@ -74,6 +74,10 @@ impl SclBinder<'_, '_> {
                     let Some(own) = own.filter(|own| fits(*value, *based, *own)) else {
                         return self.unfit_constant(constant, span, ty);
                     };
+                    // No character has another code.
+                    if ty.class() == Class::Character && !(0..1i128 << ty.bits()).contains(value) {
+                        return self.unfit_constant(constant, span, ty);
+                    }
                     // No date and no time of day is before the first or after the last one.
                     if let Some(Conversion::Ranged { max }) = convert::explicit(rules, own, ty)
                         && !(0..=i128::from(max)).contains(value)
