@@ -121,7 +121,7 @@ codes! {
     JumpIntoStatement = "P0526" Error "a jump into a loop, an IF or a CASE";
     NeverWritten = "P0527" Warning "temporary data that is read before it is written";
     ValueNeverSet = "P0528" Warning "a function whose value is never set";
-    MixedNumbers = "P0529" Warning "a whole number and a REAL in one calculation";
+    MixedNumbers = "P0529" Warning "numbers of different kinds in one calculation";
     UnknownElement = "P0530" Error "an element of LAD or FBD that plcc does not know";
     ShortCircuit = "P0531" Error "a branch without an element";
     ReverseFlow = "P0532" Error "power that would flow from right to left";

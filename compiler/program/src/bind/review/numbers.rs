@@ -1,5 +1,6 @@
-//! Whole numbers where STL calculates with REAL, and the reverse: `L 2`, `*R`. The CPU takes the bits of one as the other, so the result is
-//! wrong without an error. A warning is given only where the statements directly before show what is in an accumulator.
+//! Whole numbers where STL calculates with REAL, and the reverse: `L 2`, `*R`; constants of 16 bits where it calculates with 32, and the
+//! reverse: `L -5`, `+D`. The CPU takes the bits of one as the other, so the result is wrong without an error. A warning is given only where
+//! the statements directly before show what is in an accumulator.
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_model::{Operand, StlStatement, StlStatementKind};
@@ -15,6 +16,17 @@ struct Number {
     span: Span,
     /// The statement loads it.
     loaded: bool,
+    /// What instructions of another width take it for.
+    other_width: Option<OtherWidth>,
+}
+
+/// A constant that is another number to instructions of another width.
+#[derive(Clone, Copy)]
+enum OtherWidth {
+    /// A negative INT: `L` puts zeros before its 16 bits. The number of these 32 bits.
+    Long(i32),
+    /// A DINT that an INT cannot hold. The number of its low 16 bits.
+    Short(i16),
 }
 
 /// Reports numbers of two kinds in one calculation.
@@ -29,10 +41,13 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
             continue;
         };
         let span = statement.span;
-        let calculated = |real| Some(Number { real, span, loaded: false });
+        let calculated = |real| Some(Number { real, span, loaded: false, other_width: None });
         if let Some((real, compares)) = calculation(*insn) {
-            for number in [accu2, accu1].into_iter().flatten().filter(|number| number.real != real) {
-                found.push(mixed(number, span, real, sources));
+            for number in [accu2, accu1].into_iter().flatten() {
+                found.extend(match number.real == real {
+                    true => of_other_width(number, is_long(*insn), span, sources),
+                    false => Some(mixed(number, span, real, sources)),
+                });
             }
             if !compares {
                 (accu1, accu2) = (calculated(real), None);
@@ -46,16 +61,20 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
             }
             StlInsn::Transfer => {
                 let ty = declared.get(&(span.file, span.end)).copied();
-                if let (Some(number), Some(ty)) = (accu1, ty)
-                    && number.real != (ty.class() == Class::Float)
-                {
-                    found.push(transferred(number, ty, span, sources));
+                if let (Some(number), Some(ty)) = (accu1, ty) {
+                    found.extend(match number.real == (ty.class() == Class::Float) {
+                        true => stored_in_other_width(number, ty, span, sources),
+                        false => Some(transferred(number, ty, span, sources)),
+                    });
                 }
             }
             StlInsn::SwapAccu => std::mem::swap(&mut accu1, &mut accu2),
             StlInsn::Push => accu2 = accu1,
             StlInsn::Pop => accu1 = accu2.take(),
-            StlInsn::DToR => accu1 = calculated(true),
+            StlInsn::DToR => {
+                found.extend(accu1.and_then(|number| of_other_width(number, true, span, sources)));
+                accu1 = calculated(true);
+            }
             StlInsn::IToD | StlInsn::BcdToI | StlInsn::BcdToD => accu1 = calculated(false),
             StlInsn::Round | StlInsn::RoundUp | StlInsn::RoundDown | StlInsn::Truncate => {
                 if let Some(number) = accu1.filter(|number| !number.real) {
@@ -64,10 +83,17 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
                 accu1 = calculated(false);
             }
             StlInsn::NegI | StlInsn::NegD => {
-                if let Some(number) = accu1.filter(|number| number.real) {
-                    found.push(mixed(number, span, false, sources));
+                if let Some(number) = accu1 {
+                    found.extend(match number.real {
+                        true => Some(mixed(number, span, false, sources)),
+                        false => of_other_width(number, is_long(*insn), span, sources),
+                    });
                 }
                 accu1 = calculated(false);
+            }
+            StlInsn::AddConst => {
+                // Another number of the same kind.
+                accu1 = accu1.map(|number| Number { other_width: None, ..number });
             }
             insn if is_function_of_real(*insn) => {
                 if let Some(number) = accu1.filter(|number| !number.real) {
@@ -106,6 +132,11 @@ fn calculation(insn: StlInsn) -> Option<(bool, bool)> {
     (compares || matches!(sign, "+" | "-" | "*" | "/")).then_some((mnemonic.ends_with('R'), compares))
 }
 
+/// Whether an instruction for whole numbers takes 32 bits.
+fn is_long(insn: StlInsn) -> bool {
+    insn.mnemonic(Mnemonics::En).ends_with('D')
+}
+
 fn is_function_of_real(insn: StlInsn) -> bool {
     matches!(
         insn,
@@ -128,20 +159,28 @@ fn is_function_of_real(insn: StlInsn) -> bool {
 fn keeps_accus(insn: StlInsn) -> bool {
     insn.opens_nesting()
         || matches!(insn, StlInsn::CloseNest | StlInsn::Not | StlInsn::SetRlo | StlInsn::ClearRlo | StlInsn::Nop)
-        || matches!(insn, StlInsn::Display | StlInsn::AddConst)
+        || matches!(insn, StlInsn::Display)
         || matches!(insn.operand(), OperandClass::Bit | OperandClass::BitWrite | OperandClass::BitOrNone)
 }
 
 /// What a statement loads, if its constant or declared type says so. The bits of 0 are those of 0.0.
 fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, sources: &SourceMap) -> Option<Number> {
+    let mut other_width = None;
     let real = match operand {
         Operand::Const { value: 0, .. } => return None,
-        Operand::Const { .. } => {
+        Operand::Const { value, .. } => {
             let text = operand_text(load.span, sources).to_ascii_uppercase();
             let number = text.trim_start_matches(['+', '-']);
             let digits = number.strip_prefix("L#").unwrap_or(number).trim_start_matches(['+', '-']);
             match () {
-                () if digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_') => false,
+                () if digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_') => {
+                    let number = *value as i32;
+                    other_width = match text.starts_with("L#") {
+                        true => i16::try_from(number).is_err().then_some(OtherWidth::Short(number as i16)),
+                        false => text.starts_with('-').then_some(OtherWidth::Long(number)),
+                    };
+                    false
+                }
                 () if number.starts_with(|c: char| c.is_ascii_digit()) && number.contains('.') => true,
                 () => return None,
             }
@@ -149,7 +188,7 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
         Operand::Memory { .. } => declared.get(&(load.span.file, load.span.end))?.class() == Class::Float,
         _ => return None,
     };
-    Some(Number { real, span: load.span, loaded: true })
+    Some(Number { real, span: load.span, loaded: true, other_width })
 }
 
 /// The operand of a statement, as written.
@@ -191,6 +230,40 @@ fn conversion(number: Number, sources: &SourceMap) -> String {
         }
         (true, false) => format!("write `RND` after `{}`, which makes a DINT", written(number.span, sources)),
     }
+}
+
+/// A number that an instruction takes as another one. `long`: it takes 32 bits.
+fn of_other_width(number: Number, long: bool, span: Span, sources: &SourceMap) -> Option<Diagnostic> {
+    let (insn, constant) = (written(span, sources), operand_text(number.span, sources));
+    let (title, label) = match number.other_width? {
+        OtherWidth::Long(bits) if long => {
+            (format!("`{insn}` takes 32 bits, but `{constant}` has 16"), format!("takes {constant} as {bits}"))
+        }
+        OtherWidth::Short(bits) if !long => {
+            (format!("`{insn}` takes 16 bits, but `{constant}` needs 32"), format!("takes {constant} as {bits}"))
+        }
+        OtherWidth::Long(_) | OtherWidth::Short(_) => return None,
+    };
+    let message = Diagnostic::new(Code::MixedNumbers, span, title).label(label);
+    Some(message.also(number.span, "loaded here").help(match long {
+        true => format!("write `L L#{constant}`"),
+        false => insn.strip_suffix(['I', 'i']).map_or_else(String::new, |sign| format!("write `{sign}D`")),
+    }))
+}
+
+/// A constant that a variable of another width holds as another number.
+fn stored_in_other_width(number: Number, ty: Elementary, span: Span, sources: &SourceMap) -> Option<Diagnostic> {
+    let (variable, constant) = (operand_text(span, sources), operand_text(number.span, sources));
+    let (bits, help) = match (number.other_width?, ty) {
+        (OtherWidth::Long(bits), Elementary::Dint) => (bits, format!("write `L L#{constant}`")),
+        (OtherWidth::Short(bits), Elementary::Int) => {
+            (bits.into(), format!("declare `{variable}` as DINT, or load a number that it can hold"))
+        }
+        (OtherWidth::Long(_) | OtherWidth::Short(_), _) => return None,
+    };
+    let title = format!("`{variable}` is of type {}, and gets {bits} from `{constant}`", ty.name());
+    let message = Diagnostic::new(Code::MixedNumbers, span, title).label(format!("stores {bits}"));
+    Some(message.also(number.span, "loaded here").help(help))
 }
 
 fn transferred(number: Number, ty: Elementary, span: Span, sources: &SourceMap) -> Diagnostic {
