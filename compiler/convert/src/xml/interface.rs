@@ -5,6 +5,7 @@ use plcc_syntax::ast::{
     Bound, CodeBlock, CodeKind, InitialKind, InitialValue, PathPart, PathRoot, Retain, Section, SectionKind, TypeKind,
     TypeRef, ValueAssignment, Variable,
 };
+use plcc_syntax::literal::Literal;
 
 use super::{Library, referred};
 use crate::frames::bare;
@@ -371,6 +372,8 @@ fn flatten<'a>(value: &'a InitialValue, flat: &mut Vec<&'a InitialValue>) -> boo
 fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
     match &value.kind {
         InitialKind::Expr(value) => Some(expression::text(value, writer)),
+        // No value of an expression of networks.
+        InitialKind::Literal(literal @ Literal::DateAndTime(_)) => Some(writer.slice(value.span, literal)),
         InitialKind::Literal(literal) => {
             let value = crate::to_graph::constant(literal, value.span).ok()?;
             Some(expression::text(&value, writer))

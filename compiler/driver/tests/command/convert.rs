@@ -335,6 +335,23 @@ fn numbers_of_documents_stay() {
     assert!(found.contains("OB 35"), "{found}");
 }
 
+/// Start values of all types that STL has constants of.
+#[test]
+fn start_values_of_stl_become_xml() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "DATA_BLOCK DB 1\nSTRUCT\n  q : DATE_AND_TIME := DT#2001-2-3-4:5:6.789;\n  h : S5TIME := S5T#1M2S;\n  \
+                  r : ARRAY [1..4 ] OF INT := 1, 2 (5), 9;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\n\
+                  BEGIN\nNETWORK\n      SET;\n//@ assert DB1.DBD 0 == DW#16#0102_0304\n//@ assert DB1.DBW 12 == 5\n\
+                  END_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.xml", "--cpu", "315-2DP"]);
+    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(said.contains("2 passed, 0 failed"), "{said}");
+}
+
 /// Comments of a block and of a structure are not those of the variable after them.
 #[test]
 fn comments_of_structures_stay_with_them() {
