@@ -421,14 +421,15 @@ impl Writer<'_> {
         let (InitialKind::Elements(elements), TypeKind::Array { bounds, element }) = (&value.kind, &ty.kind) else {
             return self.initial(value);
         };
-        // STL has none of them.
-        if self.notation == Notation::Stl {
+        // STL has lists of constants only.
+        let is_stl = self.notation == Notation::Stl;
+        if is_stl && !matches!(element.kind, TypeKind::Named(_) | TypeKind::String(_)) {
             return self.initial(value);
         }
         let list = places(elements, bounds).and_then(|places| {
             let texts = places.into_iter().map(|place| match place {
                 Some(value) => Some(self.initial_of(value, element)),
-                None => default_text(element).map(str::to_string),
+                None => default_text(element, is_stl).map(str::to_string),
             });
             texts.collect::<Option<Vec<String>>>()
         });
@@ -443,7 +444,8 @@ impl Writer<'_> {
             several if several[0].starts_with(['[', '(']) => several.join(", "),
             several => format!("{}({})", several.len(), several[0]),
         });
-        format!("[{}]", runs.collect::<Vec<_>>().join(", "))
+        let list = runs.collect::<Vec<_>>().join(", ");
+        if is_stl { list } else { format!("[{list}]") }
     }
 
     pub(crate) fn initial(&mut self, value: &InitialValue) -> String {
@@ -613,11 +615,15 @@ fn places<'v>(
 }
 
 /// The value that an element without a start value has.
-fn default_text(ty: &TypeRef) -> Option<&'static str> {
+fn default_text(ty: &TypeRef, is_stl: bool) -> Option<&'static str> {
     match &ty.kind {
         TypeKind::String(_) => Some("''"),
         TypeKind::Named(word) => match elementary(word)? {
             Elementary::Bool => Some("FALSE"),
+            Elementary::Byte if is_stl => Some("B#16#0"),
+            Elementary::Word if is_stl => Some("W#16#0"),
+            Elementary::Dword if is_stl => Some("DW#16#0"),
+            Elementary::Dint if is_stl => Some("L#0"),
             Elementary::Real | Elementary::Lreal => Some("0.0"),
             Elementary::Time => Some("T#0ms"),
             Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword => Some("16#0"),

@@ -350,6 +350,9 @@ fn start_values_of_stl_become_xml() {
     let tested = plcc(folder, &["test", "a.xml", "--cpu", "315-2DP"]);
     let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(said.contains("2 passed, 0 failed"), "{said}");
+    // XML has the values of arrays one by one, STL as a list.
+    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "stl"]).stdout);
+    assert!(back.contains("r : ARRAY[1..4] OF INT := 1, 2(5), 9;"), "{back}");
 }
 
 /// Comments of a block and of a structure are not those of the variable after them.
