@@ -332,6 +332,9 @@ fn written(
         None => Trivia::none(),
     };
     let meaning = unit.overlay.as_deref().unwrap_or(source);
+    // Constants of STL and of projects in PLCopen XML have other forms, or are none there, as `S` of a list: they are not copied.
+    let own = Some(meaning).filter(|_| !plcopen::is_project(source));
+    let same = own.filter(|_| !is_stl);
     let name = String::new();
     match to {
         // Sources of the S7-200 and whole programs are written by others.
@@ -344,26 +347,23 @@ fn written(
             (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => {
-            let sd::Document { text, texts, messages } = sd::write(made, trivia(false), (!is_stl).then_some(meaning));
+            let sd::Document { text, texts, messages } = sd::write(made, trivia(false), same);
             (Converted { name, text, beside: Vec::from_iter(texts.map(texts_beside)) }, messages)
         }
         ConvertTo::Gr7 => {
-            let (text, messages) = plcc_convert::gr7::write(made, trivia(is_stl), Some(meaning));
+            let (text, messages) = plcc_convert::gr7::write(made, trivia(is_stl), own);
             (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Xml => {
-            let (text, messages) =
-                plcc_convert::xml::write(made, library, trivia(is_stl), (!is_stl).then_some(meaning));
+            let (text, messages) = plcc_convert::xml::write(made, library, trivia(is_stl), same);
             (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Scl if plcopen::is_project(source) => {
             let trivia = Trivia::new(meaning, plcopen::comments(source, meaning), false);
-            // Its constants and addresses have other forms, so none is copied from the source.
-            let (text, messages) = plcc_convert::scl::write(made, trivia, None, Others::LeftOut);
+            let (text, messages) = plcc_convert::scl::write(made, trivia, same, Others::LeftOut);
             (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Scl => {
-            let same = (!is_stl).then_some(meaning);
             let (text, messages) = plcc_convert::scl::write(made, trivia(false), same, Others::Refused);
             (Converted { name, text, beside: Vec::new() }, messages)
         }

@@ -382,6 +382,21 @@ fn comments_of_structures_stay_with_them() {
     }
 }
 
+/// `S` of an instruction list assigns TRUE: what is made of a project is not what stands at its places.
+#[test]
+fn instruction_lists_of_projects_become_xml() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/instruction-list");
+    let project = project.display().to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &project, "--to", "xml", "-o", "made/"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let document = fs::read_to_string(folder.join("made/project.xml")).expect("it is written");
+    assert!(document.contains("<ConstantValue>TRUE</ConstantValue>") && !document.contains("Text=\"S\""), "{document}");
+    let checked = plcc(folder, &["check", "made"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
 /// A quote in a text, which XML writes as `&apos;`.
 #[test]
 fn texts_with_quotes_come_back_from_projects() {
