@@ -112,6 +112,11 @@ impl Maker<'_> {
         let element = &graph.elements[at];
         let mut parameters = Vec::new();
         let mut results = Vec::new();
+        // PLCopen XML calls the result of a function as the function.
+        let function = match &target.kind {
+            OperandKind::Block(ast::BlockName::Symbol { name, .. }) if instance.is_none() => name.clone(),
+            _ => String::new(),
+        };
         for (index, pin) in element.pins.iter().enumerate() {
             if matches!(pin.name.as_str(), "en" | "eno") || pin.value == PinValue::Open {
                 continue;
@@ -145,7 +150,9 @@ impl Maker<'_> {
                 PinValue::Net(_) if !pin.negated => continue,
                 _ => return self.refuse(pin.span, "an inverted output", "invert the value after the box"),
             };
-            parameters.push(Parameter { name: pin.name.to_uppercase(), name_span: pin.span, actual: Some(actual) });
+            let is_result = pin.output && pin.name.eq_ignore_ascii_case(&function);
+            let name = if is_result { "RET_VAL".to_string() } else { pin.name.to_uppercase() };
+            parameters.push(Parameter { name, name_span: pin.span, actual: Some(actual) });
         }
         for parameter in &mut parameters {
             // A row has its pins in small letters, a block has them as they are declared.

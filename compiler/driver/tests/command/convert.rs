@@ -382,6 +382,21 @@ fn comments_of_structures_stay_with_them() {
     }
 }
 
+/// A function of a project has its result at a pin with its own name.
+#[test]
+fn results_of_functions_of_projects_are_ret_val() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/result-by-name");
+    let project = project.display().to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &project, "--to", "stl", "-o", "made/", "--cpu", "s7-1500"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let list = fs::read_to_string(folder.join("made/project.stl")).expect("it is written");
+    assert!(list.contains("RET_VAL :="), "{list}");
+    let checked = plcc(folder, &["check", "made", "--cpu", "s7-1500"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
 /// `S` of an instruction list assigns TRUE: what is made of a project is not what stands at its places.
 #[test]
 fn instruction_lists_of_projects_become_xml() {
