@@ -317,13 +317,24 @@ fn written(
     let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
     let is_stl = has(unit, |code| matches!(code, Code::Stl(_)));
     let whole;
-    let made = if matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_) | XmlKind::PlcOpen)) {
-        whole = whole_blocks(made, source.len() as u32);
-        &whole
-    } else {
-        made
+    let made = match plcc_readers::xml::kind(source) {
+        Some(kind @ (XmlKind::SimaticMl(_) | XmlKind::PlcOpen)) => {
+            let mut blocks = whole_blocks(made, source.len() as u32);
+            // Their comments are met in the order of the text.
+            if matches!(kind, XmlKind::PlcOpen) && to == ConvertTo::Xml {
+                blocks.blocks.sort_by_key(|block| block.span().start);
+            }
+            whole = blocks;
+            &whole
+        }
+        _ => made,
     };
-    let mut remarks = remarks(unit, source);
+    let mut remarks = match &unit.overlay {
+        Some(text) if to == ConvertTo::Xml && plcopen::is_project(source) => {
+            Some(Remarks { text: text.clone(), comments: plcopen::comments(source, text) })
+        }
+        _ => remarks(unit, source),
+    };
     if let Some(remarks) = remarks.as_mut().filter(|_| is_stl && matches!(to, ConvertTo::Lad | ConvertTo::Fbd)) {
         remarks.comments = to_graph::other_comments(unit, &remarks.text, std::mem::take(&mut remarks.comments));
     }

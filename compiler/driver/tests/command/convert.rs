@@ -455,6 +455,12 @@ fn comments_of_exports_reach_projects() {
         assert!(body.is_some_and(|body| body.contains(comment)), "{comment} in\n{scl}");
         assert_eq!(scl.matches(comment).count(), 1, "{comment} in\n{scl}");
     }
+    // Also by way of an export.
+    fs::write(folder.join("q.xml"), convert("p.xml", "xml")).expect("the folder can be written");
+    let scl = convert("q.xml", "scl");
+    for comment in ["// first", "// REGION start", "// one", "// inside", "// last"] {
+        assert_eq!(scl.matches(comment).count(), 1, "{comment} in\n{scl}");
+    }
 }
 
 /// Assertions of STL are in the XML where they were, also where a network or a block has nothing else; numbers keep their digits.
