@@ -92,6 +92,8 @@ pub struct CodeBlock {
     pub interface: Interface,
     /// Declared TEMP variables, in bytes, even.
     pub temp_bytes: u32,
+    /// STL: data blocks whose numbers are passed to a DB_ANY, and where: for cross references.
+    pub named_dbs: Vec<(u16, Span)>,
     pub body: Body,
 }
 

@@ -141,6 +141,7 @@ impl<'a> Binder<'a> {
             library: false,
             interface: Interface::default(),
             temp_bytes: plcc_abi::s7200::LOCAL_BYTES,
+            named_dbs: Vec::new(),
             body: Body::S7200(body),
         })
     }

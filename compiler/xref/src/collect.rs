@@ -35,7 +35,10 @@ pub fn collect(program: &Program) -> Vec<Found> {
     for (index, block) in program.blocks.iter().enumerate().filter(|(_, block)| !block.library) {
         let mut collector = Collector { program, block, index, network: 0, span: block.span, found: &mut found };
         match &block.body {
-            Body::Stl(statements) => statements.iter().for_each(|statement| collector.stl(statement)),
+            Body::Stl(statements) => {
+                statements.iter().for_each(|statement| collector.stl(statement));
+                collector.named_dbs(statements);
+            }
             Body::Scl(body) => collector.scl(body),
             Body::S7200(body) => body.statements.iter().for_each(|statement| collector.s7200(statement)),
             Body::Runtime => {}
@@ -201,6 +204,15 @@ impl Collector<'_> {
             any::TIMER => (Operand::Timer(number), access),
             _ => return None,
         })
+    }
+
+    /// Data blocks whose numbers are passed to a DB_ANY.
+    fn named_dbs(&mut self, statements: &[StlStatement]) {
+        for &(number, span) in &self.block.named_dbs {
+            let statement = statements.iter().rev().find(|statement| statement.span.start <= span.start);
+            self.network = statement.map_or(0, |statement| statement.network);
+            self.add_at(Operand::db(number), Access::Open, span);
+        }
     }
 
     fn stl(&mut self, statement: &StlStatement) {

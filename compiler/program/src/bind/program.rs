@@ -224,6 +224,7 @@ fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span
         library: fixed_span.is_some(),
         interface: Interface { temporaries, constants, ..bound.interface.clone() },
         temp_bytes: bound.temp_bytes.max(current.local_bytes.next_multiple_of(2)),
+        named_dbs: current.named_dbs,
         body,
     })
 }

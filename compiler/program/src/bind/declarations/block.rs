@@ -19,6 +19,8 @@ pub struct CurrentBlock {
     pub unknown_locals: FxHashSet<String>,
     /// End of the local data that direct addresses touch.
     pub local_bytes: u32,
+    /// Data blocks whose numbers STL passes to a DB_ANY.
+    pub named_dbs: Vec<(u16, Span)>,
     /// The block is a list of statements without a header.
     pub fragment: bool,
     /// Represents all statements of a system block.
@@ -32,6 +34,7 @@ impl CurrentBlock {
             bound,
             unknown_locals: FxHashSet::default(),
             local_bytes: 0,
+            named_dbs: Vec::new(),
             fragment: false,
             fixed_span: None,
         }

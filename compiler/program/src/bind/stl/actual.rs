@@ -75,7 +75,12 @@ impl StlBinder<'_, '_> {
             return None;
         }
         match &formal.ty {
-            DataType::Elementary(ty) => self.elementary_actual(callee, formal, *ty, settled, span),
+            DataType::Elementary(ty) => {
+                if let Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) } = &settled {
+                    ctx.named_dbs.push((*number, span));
+                }
+                self.elementary_actual(callee, formal, *ty, settled, span)
+            }
             DataType::DateAndTime
             | DataType::String(_)
             | DataType::WideString(_)
