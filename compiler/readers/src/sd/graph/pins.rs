@@ -19,6 +19,8 @@ pub struct Pins {
     pins: Vec<(Place, Pin)>,
     /// Comparisons of the form `GE #x => label`.
     cases: Vec<(usize, Comparison)>,
+    /// Names in the arguments, as written.
+    named: Vec<String>,
 }
 
 /// Flow first, then by the table: index of the pin, number of a numbered one.
@@ -30,11 +32,11 @@ enum Place {
 
 impl Pins {
     pub fn of_row(row: &'static Row, negated: bool) -> Pins {
-        Pins { row: Some(row), negated, pins: Vec::new(), cases: Vec::new() }
+        Pins { row: Some(row), negated, ..Pins::of_block() }
     }
 
     pub fn of_block() -> Pins {
-        Pins { row: None, negated: false, pins: Vec::new(), cases: Vec::new() }
+        Pins { row: None, negated: false, pins: Vec::new(), cases: Vec::new(), named: Vec::new() }
     }
 
     /// The operand before the name of the element.
@@ -148,6 +150,11 @@ impl Builder<'_, '_> {
     /// Reads the arguments of an element.
     pub(super) fn pins(&mut self, pins: &mut Pins, arguments: Vec<Argument>) {
         let count = arguments.iter().filter(|argument| argument.pin == Given::Unnamed).count();
+        let named = arguments.iter().filter_map(|argument| match argument.pin {
+            Given::Input(name) | Given::Output(name) => Some(self.slice(name).trim_matches(['"', '#']).to_string()),
+            Given::Unnamed | Given::Case(..) | Given::Error => None,
+        });
+        pins.named = named.collect();
         let mut branch = 0;
         for argument in arguments {
             let Argument { pin, value, span } = argument;
@@ -197,10 +204,13 @@ impl Builder<'_, '_> {
         let text = self.slice(name).trim_matches(['"', '#']);
         let Some((known, canonical)) = find_pin(row, text) else {
             let names: Vec<&str> = row.pins().map(|pin| pin.name()).collect();
+            // Those that the arguments give are not meant.
+            let is_free = |pin: &PinRow| !pins.named.iter().any(|own| pin.matches(own).is_some());
+            let free = row.pins().filter(is_free).map(|pin| pin.name());
             let diagnostic =
                 Diagnostic::new(Code::UnknownParameter, name, format!("`{}` has no pin `{text}`", row.name))
                     .label("not a pin of this element")
-                    .help(match distance::nearest(text, names.iter().copied()) {
+                    .help(match distance::nearest(text, free) {
                         Some(near) => format!("is `{near}` meant?"),
                         None => format!("its pins are {}", names.join(", ")),
                     });
