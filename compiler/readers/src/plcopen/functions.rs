@@ -62,6 +62,12 @@ pub fn block(editor: Editor, name: &str) -> Option<&'static str> {
     Some(if editor == Editor::Matiec { matiec } else { other })
 }
 
+/// The name of IEC 61131-3 for an input of SR or RS, which CODESYS calls `SET1`, `RESET`, `SET` and `RESET1`.
+pub fn flip_flop_pin(written: &str) -> &str {
+    const PINS: [(&str, &str); 4] = [("SET", "S"), ("SET1", "S1"), ("RESET", "R"), ("RESET1", "R1")];
+    PINS.iter().find(|(name, _)| name.eq_ignore_ascii_case(written)).map_or(written, |(_, pin)| pin)
+}
+
 /// The call of a standard function in the words of SCL; `None`: SCL has it by this name, or it is not a standard function.
 pub fn rewritten(
     editor: Editor,

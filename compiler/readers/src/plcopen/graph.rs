@@ -575,6 +575,8 @@ fn only_missing(row: &'static Row, target: &Target, inputs: &[Connection]) -> Op
 /// The name of a pin in the syntax tree; `None`: the element has no such pin. A pin without a name is number `number` on its side.
 fn pin_name(target: &Target, formal: &str, output: bool, number: usize) -> Option<String> {
     let Target::Element { row, .. } = target else { return Some(formal.to_string()) };
+    let flip_flop = matches!(row.kind, elements::Kind::FlipFlop { .. });
+    let formal = if flip_flop { functions::flip_flop_pin(formal) } else { formal };
     let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
     let known = row.pin(formal).filter(|(pin, _)| on_side(pin)).map(|(_, canonical)| canonical);
     // If an element has one input or output, CODESYS names the pin like the first of several.

@@ -305,7 +305,7 @@ impl Scope {
         let expr = |kind: ExprKind| Expr { kind, span };
         let (mut set, mut reset, mut targets) = (None, None, Vec::new());
         for (at, argument) in arguments.iter().enumerate() {
-            let formal = argument.name.as_ref().map(|name| name.text.to_ascii_uppercase());
+            let formal = argument.name.as_ref().map(|name| functions::flip_flop_pin(&name.text).to_ascii_uppercase());
             let value = argument.value.clone();
             match (formal.as_deref(), argument.output, at) {
                 (Some("S" | "S1"), false, _) | (None, false, 0) => set = value,
