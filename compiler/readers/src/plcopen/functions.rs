@@ -14,6 +14,7 @@
 //! Functions with the same name and meaning in SCL are not changed. Source: IEC 61131-3, standard functions and function blocks.
 
 mod dates;
+pub mod floats;
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -295,14 +296,14 @@ fn conversion(
             if let Some(warning) = keeps_bits(editor, make, (from, to), upper) {
                 tell(warning);
             }
-            let number = unsigned(from);
+            let number = floats::unsigned(from);
             make.convert(number, to, make.call(&format!("{from}_TO_{number}"), value)).kind
         }
         (from, to) if is(FLOATS, from) && is(BIT_STRINGS, to) => {
             if let Some(warning) = keeps_bits(editor, make, (to, from), upper) {
                 tell(warning);
             }
-            let number = unsigned(to);
+            let number = floats::unsigned(to);
             make.convert(number, to, make.call(&format!("{from}_TO_{number}"), value)).kind
         }
         ("TIME", to) if is(INTEGERS, to) || is(FLOATS, to) || is(BIT_STRINGS, to) => {
@@ -338,16 +339,6 @@ fn conversion(
         _ => return None,
     };
     Some(kind)
-}
-
-/// The integer with as many bits as a bit string.
-fn unsigned(bits: &str) -> &'static str {
-    match bits {
-        "BYTE" => "USINT",
-        "WORD" => "UINT",
-        "DWORD" => "UDINT",
-        _ => "ULINT",
-    }
 }
 
 /// The warning that editors differ: whether a bit string and a float of the same length have the same value or the same bits.

@@ -8,7 +8,7 @@ use plcc_diag::Diagnostic;
 
 use super::address::{Addresses, Location};
 use super::editor::Editor;
-use super::functions;
+use super::functions::{self, floats};
 use super::globals::{GLOBALS, integer};
 use super::types::{self, Ty, Types};
 use plcc_syntax::Elementary;
@@ -138,7 +138,10 @@ impl Scope {
                     self.truncated(target, value);
                 }
                 let kinds: Vec<Option<Ty>> = targets.iter_mut().map(|(target, _)| self.typed(target)).collect();
-                self.expr(value);
+                let mut given = self.typed(value);
+                if let Some(float) = kinds.iter().flatten().find(|kind| kind.is_float()) {
+                    floats::of_bits(value, &mut given, float);
+                }
                 kinds.iter().flatten().for_each(|kind| self.in_range(kind, value));
             }
             StatementKind::If { branches, otherwise } => {
@@ -235,7 +238,8 @@ impl Scope {
             }
             ExprKind::Call { callee, arguments } => {
                 let typed = |argument: &mut Argument| argument.value.as_mut().and_then(|value| self.typed(value));
-                let kinds: Vec<Option<Ty>> = arguments.iter_mut().map(typed).collect();
+                let mut kinds: Vec<Option<Ty>> = arguments.iter_mut().map(typed).collect();
+                self.passed_to_floats(callee, arguments, &mut kinds);
                 let result = match &callee.kind {
                     ExprKind::Name(name) => self.shared.types.result(&name.text.to_ascii_uppercase(), &kinds),
                     _ => None,
@@ -261,7 +265,12 @@ impl Scope {
             ExprKind::Dereference(base) | ExprKind::Reference(base) => self.expr(base),
             ExprKind::Unary { operand, .. } => return self.typed(operand),
             ExprKind::Binary { op, op_span, left, right } => {
-                let (a, b) = (self.typed(left), self.typed(right));
+                let (mut a, mut b) = (self.typed(left), self.typed(right));
+                match (a.clone(), b.clone()) {
+                    (Some(float), _) if float.is_float() => floats::of_bits(right, &mut b, &float),
+                    (_, Some(float)) if float.is_float() => floats::of_bits(left, &mut a, &float),
+                    _ => {}
+                }
                 let (op, op_span) = (*op, *op_span);
                 let kind = types::operation(op, a.as_ref(), b.as_ref());
                 let mut tell = |message: Diagnostic| self.messages.borrow_mut().push(message);
@@ -278,6 +287,22 @@ impl Scope {
             ExprKind::Literal(_) | ExprKind::Name(_) | ExprKind::Error => {}
         }
         None
+    }
+
+    /// Converts bit strings that a call passes to floats; `kinds`: the types of the arguments.
+    fn passed_to_floats(&self, callee: &Expr, arguments: &mut [Argument], kinds: &mut [Option<Ty>]) {
+        let ExprKind::Name(called) = &callee.kind else { return };
+        let block = self.variable_type(&called.text);
+        let standard = if self.is_own(&called.text) { None } else { floats::inputs(&called.text, kinds) };
+        for (at, (argument, kind)) in arguments.iter_mut().zip(kinds).enumerate() {
+            let formal = argument.name.as_ref().filter(|_| !argument.output).map(|name| name.text.to_lowercase());
+            let of_block =
+                block.as_ref().zip(formal).and_then(|(block, formal)| self.shared.types.member(block, &formal));
+            let of_function = standard.as_ref().filter(|(first, _)| at >= *first).map(|(_, ty)| ty.clone());
+            if let (Some(float), Some(value)) = (of_block.or(of_function), &mut argument.value) {
+                floats::of_bits(value, kind, &float);
+            }
+        }
     }
 
     /// The type of a variable of the POU, or of a global one.

@@ -182,8 +182,10 @@ impl Types {
             "LEN" | "FIND" => Some(Ty::Of(Elementary::Int)),
             "CONCAT" | "LEFT" | "RIGHT" | "MID" | "INSERT" | "DELETE" | "REPLACE" => Some(Ty::Text),
             "SEL" | "MUX" => arguments.iter().skip(1).flatten().next().cloned(),
-            "ADD" | "SUB" | "MUL" | "DIV" | "MOD" | "EXPT" | "MIN" | "MAX" | "LIMIT" | "ABS" | "SQRT" | "SIN"
-            | "COS" | "TAN" | "ASIN" | "ACOS" | "ATAN" | "EXP" | "LN" | "LOG" | "MOVE" | "AND" | "OR" | "XOR"
+            "EXPT" | "SQRT" | "SIN" | "COS" | "TAN" | "ASIN" | "ACOS" | "ATAN" | "EXP" | "LN" | "LOG" => {
+                known().filter(Ty::is_float).or(Some(Ty::Of(Elementary::Real)))
+            }
+            "ADD" | "SUB" | "MUL" | "DIV" | "MOD" | "MIN" | "MAX" | "LIMIT" | "ABS" | "MOVE" | "AND" | "OR" | "XOR"
             | "NOT" | "SHL" | "SHR" | "ROL" | "ROR" => known(),
             _ => None,
         }
