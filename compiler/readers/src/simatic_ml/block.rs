@@ -59,11 +59,11 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
 #[rustfmt::skip]
 pub const SETTINGS: &[&str] = &[
     "AcknowledgeErrorsRequired", "ArrayDataType", "ArrayLimitUpperBound", "AssignedProDiagFB", "AutoNumber", "CodeModifiedDate",
-    "CompileDate", "CreateMinimizedDB", "CreationDate", "DBAccessibleFromOPCUA", "DBAccessibleFromWebserver",
+    "CompileDate", "ConstantName", "CreateMinimizedDB", "CreationDate", "DBAccessibleFromOPCUA", "DBAccessibleFromWebserver",
     "DownloadWithoutReinit", "ExtensionBlockName", "ExtensionBlocks", "GraphVersion", "HandleErrorsWithinBlock", "HeaderAuthor",
     "HeaderFamily", "HeaderName", "HeaderVersion", "InstanceOfName", "InstanceOfNumber", "InitialValuesAcquisition", "InstanceOfType", "Interface",
     "InterfaceModifiedDate", "IsConsistent", "IsFailsafeCompliant", "IsIECCheckEnabled", "IsKnowHowProtected",
-    "IsOnlyStoredInLoadMemory", "IsPLCDB", "IsRetainMemResEnabled", "IsWriteProtected", "IsWriteProtectedInAS",
+    "ISMultiInstanceCapable", "IsOnlyStoredInLoadMemory", "IsPLCDB", "IsRetainMemResEnabled", "IsWriteProtected", "IsWriteProtectedInAS",
     "LanguageInNetworks", "LibraryConformanceStatus", "LockOperatingMode", "MemoryLayout", "MemoryReserve", "ModifiedDate",
     "Name", "NetworkBridge", "Number", "OfSystemLibElement", "OfSystemLibVersion", "ParameterModified", "ParameterPassing",
     "PermanentILProcessingInMANMode", "PLCSimAdvancedSupport", "ProgrammingLanguage", "RetainMemoryReserve", "SecondaryType",
