@@ -15,6 +15,7 @@
 
 mod dates;
 pub mod floats;
+pub mod texts;
 
 use plcc_diag::{Code, Diagnostic, Span};
 

@@ -8,7 +8,7 @@ use plcc_diag::Diagnostic;
 
 use super::address::{Addresses, Location};
 use super::editor::Editor;
-use super::functions::{self, floats};
+use super::functions::{self, floats, texts};
 use super::globals::{GLOBALS, integer};
 use super::types::{self, Ty, Types};
 use plcc_syntax::Elementary;
@@ -137,7 +137,7 @@ impl Scope {
                 if let [(target, AssignOp::Set)] = targets.as_slice() {
                     self.truncated(target, value);
                 }
-                let kinds: Vec<Option<Ty>> = targets.iter_mut().map(|(target, _)| self.typed(target)).collect();
+                let kinds: Vec<Option<Ty>> = targets.iter_mut().map(|(target, _)| self.target(target)).collect();
                 let mut given = self.typed(value);
                 if let Some(float) = kinds.iter().flatten().find(|kind| kind.is_float()) {
                     floats::of_bits(value, &mut given, float);
@@ -191,6 +191,13 @@ impl Scope {
         self.typed(value);
     }
 
+    /// As [`Scope::typed`], of what a statement assigns.
+    fn target(&self, value: &mut Expr) -> Option<Ty> {
+        let kind = self.typed(value);
+        texts::as_place(value);
+        kind
+    }
+
     /// Resolves the names of an expression, and returns its type as far as it is known.
     pub fn typed(&self, value: &mut Expr) -> Option<Ty> {
         match &mut value.kind {
@@ -233,11 +240,19 @@ impl Scope {
                 indices.iter_mut().for_each(|index| self.expr(index));
                 return match kind {
                     Some(Ty::Array(element)) => Some(self.shared.types.resolved(*element)),
+                    Some(Ty::Text) if self.shared.editor == Editor::Codesys => {
+                        indices.iter_mut().for_each(texts::from_one);
+                        value.kind = texts::as_byte(value.clone());
+                        Some(Ty::Of(Elementary::Byte))
+                    }
                     _ => None,
                 };
             }
             ExprKind::Call { callee, arguments } => {
-                let typed = |argument: &mut Argument| argument.value.as_mut().and_then(|value| self.typed(value));
+                let typed = |argument: &mut Argument| {
+                    let value = argument.value.as_mut()?;
+                    if argument.output { self.target(value) } else { self.typed(value) }
+                };
                 let mut kinds: Vec<Option<Ty>> = arguments.iter_mut().map(typed).collect();
                 self.passed_to_floats(callee, arguments, &mut kinds);
                 let result = match &callee.kind {

@@ -1,0 +1,36 @@
+//! Elements of texts in CODESYS: bytes, counted from 0. In SCL they are characters, counted from 1.
+
+use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal};
+
+use super::Make;
+
+/// The function whose value an element is.
+const AS_BYTE: &str = "CHAR_TO_BYTE";
+
+/// The index that SCL has for the element `index`.
+pub fn from_one(index: &mut Expr) {
+    if let ExprKind::Literal(Literal::Integer { value, .. }) = &mut index.kind {
+        *value = value.saturating_add(1);
+        return;
+    }
+    let make = Make { name: index.span, span: index.span };
+    *index = make.binary(BinaryOp::Add, index.clone(), make.number(1));
+}
+
+/// The value of the character `element`.
+pub fn as_byte(element: Expr) -> ExprKind {
+    let make = Make { name: element.span, span: element.span };
+    make.call(AS_BYTE, element).kind
+}
+
+/// Makes a value of [`as_byte`] the character itself, which a statement assigns.
+pub fn as_place(value: &mut Expr) {
+    let ExprKind::Call { callee, arguments } = &mut value.kind else { return };
+    let is_element = matches!(&callee.kind, ExprKind::Name(name) if name.text == AS_BYTE);
+    if is_element
+        && let [argument] = arguments.as_mut_slice()
+        && let Some(element) = argument.value.take()
+    {
+        *value = element;
+    }
+}
