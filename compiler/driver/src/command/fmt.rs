@@ -1,7 +1,8 @@
 //! `plcc fmt`.
 
-use std::fs;
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use plcc_diag::{FileId, SourceFile, SourceMap};
 use plcc_format::Left;
@@ -85,11 +86,25 @@ fn file(path: &Path, named: bool, args: &FmtArgs) -> Result<bool, u8> {
         return Ok(false);
     }
     if !args.check
-        && let Err(error) = fs::write(path, new)
+        && let Err(error) = overwrite(path, &bytes, &new)
     {
         return fail(&inputs::reason(&error));
     }
     Ok(true)
+}
+
+/// Puts `new` in the place of `old`, which a file has. If there is no room for it, the file has what it had. It stays the same file, with its
+/// owner and its links.
+fn overwrite(path: &Path, old: &[u8], new: &[u8]) -> io::Result<()> {
+    // It is not emptied: its old text has room in any case.
+    let file = fs::OpenOptions::new().write(true).open(path)?;
+    let write = |bytes: &[u8]| file.write_all_at(bytes, 0).and_then(|()| file.set_len(bytes.len() as u64));
+    let written = write(new);
+    if written.is_err() {
+        // The first error says more.
+        let _ = write(old);
+    }
+    written
 }
 
 /// A text in the encoding and with the line ends of the file that it replaces.

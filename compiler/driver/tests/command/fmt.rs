@@ -29,6 +29,21 @@ fn encoding_and_line_ends_stay() {
 }
 
 #[test]
+fn a_source_stays_when_the_disk_is_full() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    // 2,000 bytes become 4,500. No file may have more than eight blocks of 512 bytes.
+    let ugly = "A I 0.0\n".repeat(250);
+    fs::write(folder.join("a.stl"), &ugly).expect("the folder can be written");
+    let limited = format!("trap '' XFSZ; ulimit -f 8; exec '{PLCC}' fmt a.stl");
+    let output = Command::new("sh").current_dir(folder).args(["-c", &limited]).output().expect("there is a shell");
+    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(fs::read_to_string(folder.join("a.stl")).expect("it is there"), ugly);
+    assert_eq!(plcc(folder, &["fmt", "a.stl"]).status.code(), Some(0));
+    assert_eq!(fs::read(folder.join("a.stl")).expect("it is there").len(), 4500);
+}
+
+#[test]
 fn words_of_scl_have_blanks_around_them() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
