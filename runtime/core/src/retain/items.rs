@@ -11,6 +11,7 @@ use plcc_abi::names::{NamedType, TypeNumber};
 use plcc_abi::s7200::{COUNTERS, V_DB};
 
 use super::numbers;
+use super::references::{self, Reference};
 use crate::cpu::{Area, Cpu};
 use crate::timers;
 
@@ -35,6 +36,8 @@ pub(super) enum Kind {
     Permanent = 8,
     /// A data block of an S7-1200/1500 with a name: the number is that of the compiler, and another one after a change of the program.
     NamedDb = 9,
+    /// Which data blocks the program has, if references into them are retentive.
+    Blocks = 10,
 }
 
 /// A part of memory that is kept, in bits from the memory base.
@@ -72,6 +75,8 @@ enum Place {
     Timers(u32),
     Meters,
     Permanent,
+    /// Numbers of data blocks, and what tells each from another one with its number.
+    Blocks(Vec<(u16, u64)>),
 }
 
 /// An item of this CPU.
@@ -91,6 +96,7 @@ pub(crate) struct Items {
     /// For a hot restart: all memory, not only what is retentive.
     everything: bool,
     items: Vec<Item>,
+    references: Vec<Reference>,
 }
 
 /// What came back.
@@ -100,6 +106,8 @@ pub(crate) struct Loaded {
     pub changed: Vec<u16>,
     /// Data blocks that were kept and are not in the program, as messages name them.
     pub gone: Vec<String>,
+    /// How many references begin with their initial values, because their data blocks are others.
+    pub references: usize,
     /// All that is kept came back.
     pub complete: bool,
 }
@@ -155,7 +163,7 @@ impl Items {
             // Before V, whose values are newer.
             add(Kind::Permanent, 0, signature, Place::Permanent);
             add(Kind::Db, V_DB, signature, Place::Memory(vec![Bits::bytes(at, bytes)]));
-            return Items { everything: false, items };
+            return Items { everything: false, items, references: Vec::new() };
         }
         let [m_kept, timers, counters] = match everything {
             true => [m_bytes, profile.timers.min(layout::TIMERS_MAX), profile.counters.min(layout::TIMERS_MAX)],
@@ -169,6 +177,7 @@ impl Items {
             let (q, q_bytes) = cpu.area(Area::Outputs);
             add(Kind::Outputs, 0, 0, Place::Memory(vec![Bits::bytes(q, q_bytes)]));
         }
+        let (mut references, types) = (Vec::new(), &cpu.image.types);
         for db in cpu.image.dbs.iter().filter(|db| !db.unlinked && !db.read_only) {
             let start = 8 * u64::from(db.address);
             let whole = vec![Bits::bytes(db.address, db.data.len() as u32)];
@@ -184,10 +193,21 @@ impl Items {
             let by_name = profile.family.is_portal() && !db.name.is_empty();
             let kind = if by_name { Kind::NamedDb } else { Kind::Db };
             let name = if by_name { db.name.to_lowercase() } else { String::new() };
-            let (signature, place) = (signature_of(db, &cpu.image.types), Place::Memory(bits));
+            let (signature, place) = (signature_of(db, types), Place::Memory(bits));
             items.push(Item { kind, number: db.number, name, signature, place });
+            if profile.family.is_portal() {
+                references.extend(references::references(db, types));
+            }
         }
-        Items { everything, items }
+        if !references.is_empty() {
+            let block = |db: &DbEntry| {
+                let layout = signature_of(db, types).to_le_bytes();
+                (db.number, Signature::default().text(&db.name).bytes(&layout).0)
+            };
+            let place = Place::Blocks(cpu.image.dbs.iter().map(block).collect());
+            items.push(Item { kind: Kind::Blocks, number: 0, name: String::new(), signature: 0, place });
+        }
+        Items { everything, items, references }
     }
 
     /// All memory is kept, for a hot restart.
@@ -230,7 +250,7 @@ impl Items {
         }
         let kept = parts(rest).ok_or(Refused::Damaged)?;
         let is_alike = head[0] == u8::from(self.everything);
-        let mut loaded = Loaded { changed: Vec::new(), gone: Vec::new(), complete: is_alike };
+        let mut loaded = Loaded { complete: is_alike, ..Loaded::default() };
         let find = |item: &Item| kept.iter().find(|part| part.is_of(item));
         if self.everything
             && !(loaded.complete && self.items.iter().all(|item| find(item).is_some_and(|part| part.fits(item))))
@@ -245,6 +265,10 @@ impl Items {
                 None => {}
             }
         }
+        if !self.references.is_empty() {
+            let blocks = kept.iter().find(|part| part.kind == Kind::Blocks as u8).map_or(&[][..], |part| part.bytes);
+            loaded.references = self.reset_references(cpu, blocks);
+        }
         // What was kept for a hot restart is not retentive, as far as it is more.
         if is_alike {
             loaded.gone = kept.iter().filter_map(|part| part.gone(&cpu.image.dbs)).collect();
@@ -253,6 +277,38 @@ impl Items {
         cpu.clock.count_from(counted);
         Ok(loaded)
     }
+}
+
+impl Items {
+    /// Gives references into data blocks that are not among the kept ones their initial values. Result: how many.
+    fn reset_references(&self, cpu: &Cpu, kept: &[u8]) -> usize {
+        let own = self.items.iter().filter_map(|item| match &item.place {
+            Place::Blocks(blocks) => Some(blocks),
+            Place::Memory(_) | Place::Timers(_) | Place::Meters | Place::Permanent => None,
+        });
+        let own: Vec<&(u16, u64)> = own.flatten().collect();
+        let is_kept = |block: &(u16, u64)| kept.chunks_exact(BLOCK_BYTES).any(|one| one == block_bytes(block));
+        let is_same = |number: u16| own.iter().any(|&block| block.0 == number && is_kept(block));
+        let lost = self.references.iter().filter(|reference| {
+            let number = cpu.memory.word(reference.at);
+            let is_lost = number != 0 && !is_same(number);
+            if is_lost {
+                cpu.memory.load(reference.at, &reference.initial);
+            }
+            is_lost
+        });
+        lost.count()
+    }
+}
+
+/// An entry of [`Kind::Blocks`].
+const BLOCK_BYTES: usize = 2 + 8;
+
+fn block_bytes((number, signature): &(u16, u64)) -> [u8; BLOCK_BYTES] {
+    let mut bytes = [0; BLOCK_BYTES];
+    bytes[..2].copy_from_slice(&number.to_le_bytes());
+    bytes[2..].copy_from_slice(&signature.to_le_bytes());
+    bytes
 }
 
 /// An item in a content.
@@ -329,6 +385,7 @@ impl Item {
             }
             Place::Meters => cpu.meters.iter().for_each(|meter| content.extend(meter.kept(cpu.clock.now()))),
             Place::Permanent => cpu.s7200_permanent(content),
+            Place::Blocks(blocks) => blocks.iter().for_each(|block| content.extend(block_bytes(block))),
         }
     }
 
@@ -356,6 +413,8 @@ impl Item {
                 cpu.meters.iter().zip(chunks).for_each(|(meter, kept)| meter.bring_back(kept));
             }
             Place::Permanent => cpu.s7200_bring_back_permanent(values),
+            // It is only compared.
+            Place::Blocks(_) => {}
         }
     }
 }

@@ -10,6 +10,8 @@
 mod items;
 mod late;
 mod numbers;
+mod places;
+mod references;
 mod slots;
 mod writer;
 
@@ -219,7 +221,7 @@ impl Cpu {
 
     fn note_loaded(&self, file: &Path, loaded: &Loaded) -> Restored {
         let path = file.display();
-        let is_lost = !loaded.changed.is_empty() || !loaded.gone.is_empty();
+        let is_lost = !loaded.changed.is_empty() || !loaded.gone.is_empty() || loaded.references > 0;
         let kept = if is_lost { keep_before(file) } else { String::new() };
         for &number in &loaded.changed {
             let name = self.image.dbs.iter().find(|db| db.number == number).map_or("", |db| db.name.as_str());
@@ -233,6 +235,11 @@ impl Cpu {
                 _ => say(&format!("DB {number}{named} {why} {path}{kept}")),
             }
             self.log(diagnostics::RETAIN_CHANGED, NO_SITE, number.into());
+        }
+        match loaded.references {
+            0 => {}
+            1 => say(&format!("a reference into a data block that is another one than in {path} begins anew{kept}")),
+            n => say(&format!("{n} references into data blocks that are others than in {path} begin anew{kept}")),
         }
         if let Some(names) = listed(&loaded.gone) {
             say(&format!("{path} has values of {names}, which the program does not have: they go{kept}"));

@@ -4,71 +4,34 @@
 //! Source: GRAPH reference, chapter F, data of steps and transitions.
 
 use plcc_abi::image::DbEntry;
-use plcc_abi::names::{NamedMember, NamedStruct, NamedType, TypeNumber};
+use plcc_abi::names::{NamedMember, NamedType, TypeNumber};
+
+use super::places::places;
 
 /// The members with the number of a step and of a transition, and what these have besides.
 const NUMBERS: [(&str, &str); 2] = [("SNO", "LA"), ("TNO", "TV")];
 
 /// The numbers with which a block begins, in the order of its data.
 pub(super) fn numbers(db: &DbEntry, types: &[NamedType]) -> Vec<u16> {
-    let mut found = Vec::new();
-    if let Some(ty) = db.ty.filter(|ty| has_numbers(*ty, types)) {
-        collect(&db.data, types, ty, 0, &mut found);
-    }
-    found
+    let found = db.ty.map_or_else(Vec::new, |ty| places(types, ty, &|ty| number_of(ty).is_some()));
+    let value = |(bit, ty): (u64, TypeNumber)| {
+        let at = (bit / 8) as usize + number_of(types.get(ty as usize)?)?.byte as usize;
+        db.data.get(at..at + 2).map(|bytes| u16::from_be_bytes([bytes[0], bytes[1]]))
+    };
+    found.into_iter().filter_map(value).collect()
 }
 
-/// The number of a step or a transition, if the structure is one.
-fn number_of(structure: &NamedStruct) -> Option<&NamedMember> {
+/// The number of a step or a transition, if the type is one.
+fn number_of(ty: &NamedType) -> Option<&NamedMember> {
+    let NamedType::Struct(structure) = ty else { return None };
     let member = |name: &str| structure.members.iter().find(|member| member.name == name);
     NUMBERS.iter().find_map(|(number, other)| member(other).and_then(|_| member(number)))
-}
-
-/// A type has a larger number than those that it contains.
-fn has_numbers(ty: TypeNumber, types: &[NamedType]) -> bool {
-    match types.get(ty as usize) {
-        Some(NamedType::Struct(all)) => {
-            let is_within = |member: &NamedMember| member.ty < ty && has_numbers(member.ty, types);
-            number_of(all).is_some() || all.members.iter().any(is_within)
-        }
-        Some(NamedType::Array { element, .. }) => *element < ty && has_numbers(*element, types),
-        Some(NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. }) | None => false,
-    }
-}
-
-/// Those of a type with numbers, `bit` bits from the beginning of the block.
-fn collect(data: &[u8], types: &[NamedType], ty: TypeNumber, bit: u64, found: &mut Vec<u16>) {
-    match types.get(ty as usize) {
-        Some(NamedType::Struct(all)) => {
-            if let Some(number) = number_of(all) {
-                let at = (bit / 8) as usize + number.byte as usize;
-                found.extend(data.get(at..at + 2).map(|bytes| u16::from_be_bytes([bytes[0], bytes[1]])));
-            }
-            for member in all.members.iter().filter(|member| member.ty < ty && has_numbers(member.ty, types)) {
-                collect(data, types, member.ty, bit + 8 * u64::from(member.byte), found);
-            }
-        }
-        Some(NamedType::Array { dimensions, element }) if *element < ty => {
-            let mut starts = vec![bit];
-            for dimension in dimensions {
-                let count = (i64::from(dimension.high) - i64::from(dimension.low) + 1).max(0) as u64;
-                let row = |start: &u64| {
-                    let start = *start;
-                    (0..count).map(move |index| start + index * u64::from(dimension.distance))
-                };
-                starts = starts.iter().flat_map(row).collect();
-            }
-            starts.into_iter().for_each(|start| collect(data, types, *element, start, found));
-        }
-        Some(NamedType::Array { .. } | NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. })
-        | None => {}
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use plcc_abi::image::{AssertType, Kept};
-    use plcc_abi::names::Dimension;
+    use plcc_abi::names::{Dimension, NamedStruct};
 
     use super::*;
 

@@ -255,6 +255,37 @@ fn values_of_data_blocks_that_are_gone_are_not_lost_in_silence() {
     }
 }
 
+/// The number of a data block is that of the compiler.
+#[test]
+fn references_into_other_data_blocks_begin_anew() {
+    let program = |image: &mut ProgramImage, target: &str| {
+        let structure = |name: &str, members| NamedStruct {
+            name: name.to_string(),
+            data_type: String::new(),
+            members,
+            is_dtl: false,
+        };
+        let reference = NamedMember { name: "p".to_string(), ty: 2, byte: 0, bit: 0 };
+        image.types.push(NamedType::Struct(structure("REF_TO INT", Vec::new())));
+        image.types.push(NamedType::Struct(structure("", vec![reference])));
+        image.profile.family = Family::S71500;
+        let own = db(1, Kept::Everything);
+        image.dbs[0] = DbEntry { name: "Own".to_string(), data: vec![0; 8], ty: Some(3), ..own };
+        image.dbs[1].name = target.to_string();
+    };
+    let path = file("references");
+    let mut obs = nothing();
+    obs[0].1 = Box::new(|cpu, _| cpu.memory.set_word(DB + 16, 2));
+    run(&with(&path, obs, |image| program(image, "Target")), 1);
+    let left = |target: &str| {
+        let cpu = with(&path, nothing(), |image| program(image, target));
+        run(&cpu, 1);
+        cpu.memory.word(DB + 16)
+    };
+    assert_eq!(left("Target"), 2);
+    assert_eq!(left("Other"), 0, "DB 2 is another block now");
+}
+
 #[test]
 fn the_end_of_the_process_before_is_waited_for() {
     let path = file("busy");
