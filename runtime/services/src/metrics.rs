@@ -215,7 +215,7 @@ fn path(head: &[u8]) -> Parsed {
     match request.parse(head) {
         Ok(httparse::Status::Partial) => Parsed::Partial,
         Ok(httparse::Status::Complete(_)) => {
-            let path = request.path.map(|path| path.split('?').next().unwrap_or(path).to_string());
+            let path = request.path.map(|target| path_of(target).to_string());
             match (request.method, path) {
                 (Some("GET"), Some(path)) => Parsed::Get(path),
                 (Some("HEAD"), Some(path)) => Parsed::Head(path),
@@ -225,6 +225,15 @@ fn path(head: &[u8]) -> Parsed {
         }
         Err(_) => Parsed::Wrong,
     }
+}
+
+/// The path of what is asked for, which may be a whole URL. Source: RFC 9112, section 3.2.
+fn path_of(target: &str) -> &str {
+    let path = match target.split_once("://") {
+        Some((_, rest)) if !target.starts_with('/') => rest.find('/').map_or("/", |at| &rest[at..]),
+        Some(_) | None => target,
+    };
+    path.split('?').next().unwrap_or(path)
 }
 
 #[cfg(test)]
@@ -250,6 +259,9 @@ mod tests {
     fn requests_are_read() {
         assert_eq!(path(b"GET /metrics?a=1 HTTP/1.1\r\nHost: x\r\n\r\n"), Parsed::Get("/metrics".to_string()));
         assert_eq!(path(b"HEAD /health HTTP/1.0\r\n\r\n"), Parsed::Head("/health".to_string()));
+        let whole = b"GET http://127.0.0.1:9100/health?a=b://c HTTP/1.1\r\nHost: x\r\n\r\n";
+        assert_eq!(path(whole), Parsed::Get("/health".to_string()));
+        assert_eq!(path(b"GET http://plant HTTP/1.1\r\n\r\n"), Parsed::Get("/".to_string()));
         assert_eq!(path(b"GET /metrics HTT"), Parsed::Partial);
         assert_eq!(path(b"POST / HTTP/1.1\r\n\r\n"), Parsed::Method);
         assert_eq!(path(&[0xFF, 3, 0, 0]), Parsed::Wrong);
