@@ -101,21 +101,27 @@ pub fn parse(text: &str, wanted: ValueType) -> Result<Value, String> {
             let smallest = if ty == AssertType::Ltime { Smallest::Nanosecond } else { Smallest::Millisecond };
             let ns =
                 duration::nanoseconds(body, smallest, Fraction::Anywhere).ok().filter(|_| is_span).ok_or_else(wrong)?;
-            let out = || format!("`{text}` does not fit into {}", name(ty));
             match ty {
                 AssertType::S5Time => {
                     let ms = u64::try_from(ns / 1_000_000).ok();
-                    ms.and_then(bcd::s5_from_ms).map(|value| Value::Bits(value.into())).ok_or_else(out)
+                    let found = ms.and_then(bcd::s5_from_ms).map(|value| Value::Bits(value.into()));
+                    found.ok_or_else(|| outside(text, ty, [0, 0x3999]))
                 }
                 AssertType::Time => {
-                    i32::try_from(ns / 1_000_000).map(|ms| Value::Bits(u64::from(ms as u32))).map_err(|_| out())
+                    let ends = [i32::MIN, i32::MAX].map(|end| u64::from(end as u32));
+                    let ms = i32::try_from(ns / 1_000_000);
+                    ms.map(|ms| Value::Bits(u64::from(ms as u32))).map_err(|_| outside(text, ty, ends))
                 }
-                _ => i64::try_from(ns).map(|ns| Value::Bits(ns as u64)).map_err(|_| out()),
+                _ => {
+                    let ends = [i64::MIN, i64::MAX].map(|end| end as u64);
+                    i64::try_from(ns).map(|ns| Value::Bits(ns as u64)).map_err(|_| outside(text, ty, ends))
+                }
             }
         }
         AssertType::Date => {
             let days = Date::parse(body).filter(|_| is_own).and_then(|date| date.days_since(1990)).ok_or_else(wrong)?;
-            range(days.into(), 0, 0xFFFF)
+            let days = u16::try_from(days).map_err(|_| outside(text, ty, [0, 0xFFFF]))?;
+            Ok(Value::Bits(days.into()))
         }
         AssertType::TimeOfDay | AssertType::Ltod => {
             let is_clock = prefix.is_none_or(|prefix| matches!(prefix, AssertType::TimeOfDay | AssertType::Ltod));
@@ -130,6 +136,12 @@ pub fn parse(text: &str, wanted: ValueType) -> Result<Value, String> {
         }
         AssertType::Text | AssertType::WideText => Err(wrong()),
     }
+}
+
+/// That a value is not between the ends of its type.
+fn outside(text: &str, ty: AssertType, ends: [u64; 2]) -> String {
+    let [low, high] = ends.map(|bits| Value::Bits(bits).typed_text(ty));
+    format!("`{text}` does not fit into {}, which goes from {low} to {high}", name(ty))
 }
 
 /// `LT#` and the like are prefixes of types that have longer names.
@@ -275,6 +287,13 @@ mod tests {
         }
         let long = parse("'abcdef'", ValueType { ty: AssertType::Text, length: 5 });
         assert_eq!(long, Err("`'abcdef'` has 6 characters; there is room for 5".to_string()));
+        for (text, ty, ends) in [
+            ("D#2200-01-01", AssertType::Date, "DATE, which goes from D#1990-01-01 to D#2169-06-06"),
+            ("S5T#3h", AssertType::S5Time, "S5TIME, which goes from S5T#0ms to S5T#2h46m30s"),
+            ("T#30d", AssertType::Time, "TIME, which goes from T#-24d20h31m23s648ms to T#24d20h31m23s647ms"),
+        ] {
+            assert_eq!(parse(text, ValueType::of(ty)), Err(format!("`{text}` does not fit into {ends}")));
+        }
         let large = parse("70000", ValueType::of(AssertType::Signed(16)));
         assert_eq!(large, Err("`70000` does not fit into INT, which goes from -32768 to 32767".to_string()));
     }
