@@ -150,7 +150,10 @@ impl Model {
     pub fn take(&mut self, incoming: Incoming) {
         match incoming {
             Incoming::Connected(names, tables) => {
-                self.lost = None;
+                // The state that is known is that of before, or none.
+                if let Some(why) = &mut self.lost {
+                    *why = "waiting for the CPU".to_string();
+                }
                 self.tables = tables;
                 self.names = names.into_iter().map(|one| (one.name, one.ty)).collect();
                 self.grow();
@@ -186,6 +189,7 @@ impl Model {
         self.hello = hello.or(self.hello.take());
         if let Some(state) = state {
             self.state = state;
+            self.lost = None;
         }
         for (number, shown) in values {
             if let Some(name) = self.watched.get(number) {

@@ -196,12 +196,14 @@ fn a_lost_connection_is_told_and_begins_anew() {
     let _ = model.orders().count();
     model.take(listed());
     assert_eq!(model.orders().count(), 1, "the watch table is asked for again");
+    assert_eq!(model.lost.as_deref(), Some("waiting for the CPU"), "nobody knows yet whether it runs");
     model.take(Incoming::News(Box::new(News {
         refused: Some("DB 1 is write-protected".to_string()),
         ..News::default()
     })));
     let stop = State { reason: "STOP by a client".to_string(), ..State::default() };
     model.take(Incoming::News(Box::new(News { state: Some(stop), ..News::default() })));
+    assert_eq!(model.lost, None);
     check("refused.txt", &model);
 }
 
