@@ -49,7 +49,7 @@ impl Value {
             None => u64::from(offset),
         };
         let mut value = TypedValue::read(ty.ty, given, memory);
-        // Behind the declared characters are other values, whatever the head says.
+        // After the declared characters are other values, whatever the head says.
         if let TypedValue::Text(text) = &mut value {
             text.truncate(ty.length.into());
         }
