@@ -1,4 +1,4 @@
-//! Whole numbers where STL calculates with REAL, and the reverse: `L 2`, `*R`; constants of 16 bits where it calculates with 32, and the
+//! Whole numbers where STL calculates with REAL, and the reverse: `L 2`, `*R`; numbers of 16 bits where it calculates with 32, and the
 //! reverse: `L -5`, `+D`. The CPU takes the bits of one as the other, so the result is wrong without an error. A warning is given only where
 //! the statements directly before show what is in an accumulator.
 
@@ -13,6 +13,8 @@ use crate::bind::declarations::NumberTypes;
 #[derive(Clone, Copy)]
 struct Number {
     real: bool,
+    /// INT or DINT, where that is known.
+    whole: Option<Elementary>,
     span: Span,
     /// The statement loads it.
     loaded: bool,
@@ -41,7 +43,7 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
             continue;
         };
         let span = statement.span;
-        let calculated = |real| Some(Number { real, span, loaded: false, other_width: None });
+        let calculated = |real, whole| Some(Number { real, whole, span, loaded: false, other_width: None });
         if let Some((real, compares)) = calculation(*insn) {
             for number in [accu2, accu1].into_iter().flatten() {
                 found.extend(match number.real == real {
@@ -50,7 +52,8 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
                 });
             }
             if !compares {
-                (accu1, accu2) = (calculated(real), None);
+                let whole = is_long(*insn).then_some(Elementary::Dint);
+                (accu1, accu2) = (calculated(real, whole), None);
             }
             continue;
         }
@@ -73,14 +76,15 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
             StlInsn::Pop => accu1 = accu2.take(),
             StlInsn::DToR => {
                 found.extend(accu1.and_then(|number| of_other_width(number, true, span, sources)));
-                accu1 = calculated(true);
+                accu1 = calculated(true, None);
             }
-            StlInsn::IToD | StlInsn::BcdToI | StlInsn::BcdToD => accu1 = calculated(false),
+            StlInsn::BcdToI => accu1 = calculated(false, None),
+            StlInsn::IToD | StlInsn::BcdToD => accu1 = calculated(false, Some(Elementary::Dint)),
             StlInsn::Round | StlInsn::RoundUp | StlInsn::RoundDown | StlInsn::Truncate => {
                 if let Some(number) = accu1.filter(|number| !number.real) {
                     found.push(mixed(number, span, true, sources));
                 }
-                accu1 = calculated(false);
+                accu1 = calculated(false, Some(Elementary::Dint));
             }
             StlInsn::NegI | StlInsn::NegD => {
                 if let Some(number) = accu1 {
@@ -89,7 +93,7 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
                         false => of_other_width(number, is_long(*insn), span, sources),
                     });
                 }
-                accu1 = calculated(false);
+                accu1 = calculated(false, is_long(*insn).then_some(Elementary::Dint));
             }
             StlInsn::AddConst => {
                 // Another number of the same kind.
@@ -99,7 +103,7 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
                 if let Some(number) = accu1.filter(|number| !number.real) {
                     found.push(mixed(number, span, true, sources));
                 }
-                accu1 = calculated(true);
+                accu1 = calculated(true, None);
             }
             insn if keeps_accus(*insn) => {}
             _ => (accu1, accu2) = (None, None),
@@ -165,7 +169,7 @@ fn keeps_accus(insn: StlInsn) -> bool {
 
 /// What a statement loads, if its constant or declared type says so. The bits of 0 are those of 0.0.
 fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, sources: &SourceMap) -> Option<Number> {
-    let mut other_width = None;
+    let (mut whole, mut other_width) = (None, None);
     let real = match operand {
         Operand::Const { value: 0, .. } => return None,
         Operand::Const { value, .. } => {
@@ -185,10 +189,14 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
                 () => return None,
             }
         }
-        Operand::Memory { .. } => declared.get(&(load.span.file, load.span.end))?.class() == Class::Float,
+        Operand::Memory { .. } => {
+            let ty = *declared.get(&(load.span.file, load.span.end))?;
+            whole = matches!(ty, Elementary::Int | Elementary::Dint).then_some(ty);
+            ty.class() == Class::Float
+        }
         _ => return None,
     };
-    Some(Number { real, span: load.span, loaded: true, other_width })
+    Some(Number { real, whole, span: load.span, loaded: true, other_width })
 }
 
 /// The operand of a statement, as written.
@@ -226,7 +234,12 @@ fn conversion(number: Number, sources: &SourceMap) -> String {
         (false, true) => format!("write `L {digits}.0`"),
         (true, true) => "write the number without a fraction, or calculate with the instruction for REAL".to_string(),
         (false, false) => {
-            format!("write `ITD` and `DTR` after `{}`; for a DINT `DTR` alone", written(number.span, sources))
+            let statement = written(number.span, sources);
+            match number.whole {
+                Some(Elementary::Dint) => format!("write `DTR` after `{statement}`"),
+                Some(_) => format!("write `ITD` and `DTR` after `{statement}`"),
+                None => format!("write `ITD` and `DTR` after `{statement}`; for a DINT `DTR` alone"),
+            }
         }
         (true, false) => format!("write `RND` after `{}`, which makes a DINT", written(number.span, sources)),
     }
@@ -234,6 +247,9 @@ fn conversion(number: Number, sources: &SourceMap) -> String {
 
 /// A number that an instruction takes as another one. `long`: it takes 32 bits.
 fn of_other_width(number: Number, long: bool, span: Span, sources: &SourceMap) -> Option<Diagnostic> {
+    if long && number.whole == Some(Elementary::Int) {
+        return Some(without_sign(number, span, sources));
+    }
     let (insn, constant) = (written(span, sources), operand_text(number.span, sources));
     let (title, label) = match number.other_width? {
         OtherWidth::Long(bits) if long => {
@@ -251,8 +267,21 @@ fn of_other_width(number: Number, long: bool, span: Span, sources: &SourceMap) -
     }))
 }
 
-/// A constant that a variable of another width holds as another number.
+/// An INT where the statement takes a DINT.
+fn without_sign(number: Number, span: Span, sources: &SourceMap) -> Diagnostic {
+    let (statement, variable) = (written(span, sources), operand_text(number.span, sources));
+    let title = format!("`{statement}` takes a DINT, but `{variable}` is an INT");
+    Diagnostic::new(Code::MixedNumbers, span, title)
+        .label("counts a negative INT as a number from 32768 to 65535")
+        .also(number.span, "loads 16 bits and sets the others to 0")
+        .help(format!("write `ITD` after `{}`", written(number.span, sources)))
+}
+
+/// A number that a variable of another width holds as another one.
 fn stored_in_other_width(number: Number, ty: Elementary, span: Span, sources: &SourceMap) -> Option<Diagnostic> {
+    if (number.whole, ty) == (Some(Elementary::Int), Elementary::Dint) {
+        return Some(without_sign(number, span, sources));
+    }
     let (variable, constant) = (operand_text(span, sources), operand_text(number.span, sources));
     let (bits, help) = match (number.other_width?, ty) {
         (OtherWidth::Long(bits), Elementary::Dint) => (bits, format!("write `L L#{constant}`")),
