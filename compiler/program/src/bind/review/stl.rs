@@ -169,7 +169,8 @@ fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<D
     let text = sources.file(load.span.file).text.get(load.span.start as usize..load.span.end as usize)?;
     let text = text.split_whitespace().next_back()?.trim_end_matches(';');
     let is_decimal = text.bytes().all(|byte| byte.is_ascii_digit()) && value != 0;
-    if !wide && !is_decimal && (0..3).all(|digit| value >> (4 * digit) & 0xF <= 9) {
+    let count = without_prefix(text, &["C#"]).filter(|_| value != 0);
+    if !wide && !is_decimal && count.is_none() && (0..3).all(|digit| value >> (4 * digit) & 0xF <= 9) {
         return None;
     }
     let message = Diagnostic::new(Code::TimerWithoutTime, timer, format!("`{text}` is not an S5TIME"));
@@ -178,7 +179,7 @@ fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<D
         true => {
             format!("digits go from 0 to 9: `W#16#{:X}999` is the longest time with this time base", value >> 12 & 3)
         }
-        false => rewrite::help(Elementary::S5Time, text, Form::Stl),
+        false => rewrite::help(Elementary::S5Time, count.unwrap_or(text), Form::Stl),
     };
     Some(
         message
@@ -198,7 +199,8 @@ fn not_a_count(load: &StlStatement, set: Span, sources: &SourceMap) -> Option<Di
     let is_decimal = text.bytes().all(|byte| byte.is_ascii_digit()) && value > 9;
     // Of a double word the counter takes the low digits, which hexadecimal ones show as they are.
     let shows_digits = !wide || text.contains("16#");
-    if shows_digits && !is_decimal && is_bcd {
+    let is_time = without_prefix(text, &["S5T#", "S5TIME#"]).is_some() && value != 0;
+    if shows_digits && !is_time && !is_decimal && is_bcd {
         return None;
     }
     let label = match is_bcd {
@@ -207,12 +209,21 @@ fn not_a_count(load: &StlStatement, set: Span, sources: &SourceMap) -> Option<Di
         }
         false => format!("16#{value:04X} is not a number in BCD: an error at run time"),
     };
-    let help = match text.parse::<u32>().ok().or((!wide).then_some(value)) {
+    let help = match text.parse::<u32>().ok().or((!wide && !is_time).then_some(value)) {
         Some(count @ 0..=COUNT_MAX) => format!("write `C#{count}`"),
         _ => format!("write a value from 0 to {COUNT_MAX} after `C#`"),
     };
     let message = Diagnostic::new(Code::TimerWithoutTime, set, format!("`{text}` is not the value of a counter"));
     Some(message.label(label).also(load.span, "loaded here").help(help))
+}
+
+/// What follows one of `prefixes` in a constant.
+fn without_prefix<'a>(constant: &'a str, prefixes: &[&str]) -> Option<&'a str> {
+    let cut = |prefix: &&str| {
+        let (start, rest) = constant.split_at_checked(prefix.len())?;
+        start.eq_ignore_ascii_case(prefix).then_some(rest)
+    };
+    prefixes.iter().find_map(cut)
 }
 
 const fn is_timer_start(insn: StlInsn) -> bool {
