@@ -4,6 +4,7 @@
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_model::{Operand, StlStatement, StlStatementKind};
+use plcc_syntax::ast::Width;
 use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
 use plcc_syntax::{Class, Elementary};
 
@@ -13,7 +14,7 @@ use crate::bind::declarations::NumberTypes;
 #[derive(Clone, Copy)]
 struct Number {
     real: bool,
-    /// INT or DINT, where that is known.
+    /// INT or DINT, where that is known; WORD for 16 bits or less that have no such type.
     whole: Option<Elementary>,
     span: Span,
     /// The statement loads it.
@@ -69,6 +70,11 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
                         true => stored_in_other_width(number, ty, span, sources),
                         false => Some(transferred(number, ty, span, sources)),
                     });
+                } else if let (Some(number), Operand::Memory { width, .. }) = (accu1, operand)
+                    && number.real
+                    && width.bits() < 32
+                {
+                    found.push(cut_off(number, *width, span, sources));
                 }
             }
             StlInsn::SwapAccu => std::mem::swap(&mut accu1, &mut accu2),
@@ -189,10 +195,20 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
                 () => return None,
             }
         }
-        Operand::Memory { .. } => {
-            let ty = *declared.get(&(load.span.file, load.span.end))?;
-            whole = matches!(ty, Elementary::Int | Elementary::Dint).then_some(ty);
-            ty.class() == Class::Float
+        Operand::Memory { width, .. } => match declared.get(&(load.span.file, load.span.end)) {
+            Some(&ty) => {
+                whole = matches!(ty, Elementary::Int | Elementary::Dint).then_some(ty);
+                ty.class() == Class::Float
+            }
+            None if matches!(width, Width::Byte | Width::Word) => {
+                whole = Some(Elementary::Word);
+                false
+            }
+            None => return None,
+        },
+        Operand::Cell { .. } => {
+            whole = Some(Elementary::Word);
+            false
         }
         _ => return None,
     };
@@ -293,6 +309,15 @@ fn stored_in_other_width(number: Number, ty: Elementary, span: Span, sources: &S
     let title = format!("`{variable}` is of type {}, and gets {bits} from `{constant}`", ty.name());
     let message = Diagnostic::new(Code::MixedNumbers, span, title).label(format!("stores {bits}"));
     Some(message.also(number.span, "loaded here").help(help))
+}
+
+/// A REAL that is stored in 16 bits or less.
+fn cut_off(number: Number, width: Width, span: Span, sources: &SourceMap) -> Diagnostic {
+    let bits = width.bits();
+    let title = format!("`{}` has {bits} bits, but ACCU1 has a REAL", operand_text(span, sources));
+    let message = Diagnostic::new(Code::MixedNumbers, span, title).label(format!("stores the lower {bits} bits of it"));
+    let note = if number.loaded { "loaded here" } else { "calculated here" };
+    message.also(number.span, note).help(conversion(number, sources))
 }
 
 fn transferred(number: Number, ty: Elementary, span: Span, sources: &SourceMap) -> Diagnostic {
