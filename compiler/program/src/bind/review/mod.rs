@@ -8,6 +8,7 @@
 //! - [`indices`]: loops that go beyond the bounds of an array.
 //! - [`division`]: divisions of whole numbers in SCL that become a REAL.
 //! - [`instances`]: IEC timers and counters in SCL that two calls share.
+//! - [`joined`]: comparisons of one value in SCL that are joined the wrong way.
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`temporary`]: temporary data that is read before it is written.
@@ -22,6 +23,7 @@ mod division;
 mod endless;
 mod indices;
 mod instances;
+mod joined;
 mod negation;
 mod numbers;
 mod outputs;
@@ -71,6 +73,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                     let text = |span| program.globals.text(span);
                     division::review(&body.statements, &text, &mut found);
                     instances::review(program, &body.statements, &mut found);
+                    joined::review(&body.statements, &text, &mut found);
                     negation::review(&body.statements, &text, &mut found);
                     indices::review(&body.statements, &text, &mut found);
                     assigned::review(&body.statements, &text, &mut found);
