@@ -3,7 +3,7 @@
 //! Source: S7-200 system manual, instruction set; restrictions of interrupt routines and of the 21x generation.
 
 use plcc_abi::image::BlockKind;
-use plcc_abi::s7200::is_retentive_timer;
+use plcc_abi::s7200::{Resolution, is_retentive_timer, timer_resolution};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{self, Area, Direct};
@@ -247,12 +247,21 @@ impl Binder<'_> {
             true => ("a retentive timer for TONR", "TON and TOF have T32 to T63 and T96 to T255"),
             false => ("a timer for TON or TOF", "TONR has T0 to T31 and T64 to T95"),
         };
-        self.push(Diagnostic::new(Code::TimerNumber, span, format!("T{number} is {is} (0090)")).label(others).help(
-            match retentive {
-                true => "resolution: T32 and T96 1 ms, T33 to T36 and T97 to T100 10 ms, the others 100 ms",
-                false => "resolution: T0 and T64 1 ms, T1 to T4 and T65 to T68 10 ms, the others 100 ms",
-            },
-        ));
+        let resolution = timer_resolution(number);
+        let same = match (resolution, retentive) {
+            (Resolution::Ms1, true) => "T32 or T96",
+            (Resolution::Ms10, true) => "T33 to T36 or T97 to T100",
+            (Resolution::Ms100, true) => "T37 to T63 or T101 to T255",
+            (Resolution::Ms1, false) => "T0 or T64",
+            (Resolution::Ms10, false) => "T1 to T4 or T65 to T68",
+            (Resolution::Ms100, false) => "T5 to T31 or T69 to T95",
+        };
+        let ms = resolution.milliseconds();
+        self.push(
+            Diagnostic::new(Code::TimerNumber, span, format!("T{number} is {is} (0090)"))
+                .label(others)
+                .help(format!("use {same}: they count steps of {ms} ms, as T{number} does")),
+        );
         None
     }
 
