@@ -132,11 +132,11 @@ impl SclBinder<'_, '_> {
                 return convert::explicit_expr(rules, with_real_constants(value), ty);
             }
             Implicit::Yes if convert::narrows(from, ty) && !self.follows_target(rules, &value, ty) => {
-                match constant::computed(&value).filter(|_| ty.is_integer()) {
-                    Some(number) if constant::fits(number, false, ty) => {}
-                    Some(number) => self.value_lost(rules, span, number, ty),
-                    None if bounds::fits(&value, ty) => {}
-                    None => self.may_lose(&ctx.scope, span, from, ty),
+                match constant::computed(&value) {
+                    Some(number) if convert::holds(rules, from, ty, number) => {}
+                    Some(number) if ty.is_integer() => self.value_lost(rules, span, number, ty),
+                    _ if bounds::fits(&value, ty) => {}
+                    _ => self.may_lose(&ctx.scope, span, from, ty),
                 }
             }
             Implicit::Yes => self.too_late_for_target(ctx, &value, ty),

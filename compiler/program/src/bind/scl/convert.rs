@@ -2,7 +2,7 @@
 
 use plcc_syntax::{Class, Elementary};
 
-use super::Rules;
+use super::{Rules, constant};
 use Elementary::*;
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function, Overflow};
 
@@ -139,7 +139,26 @@ pub fn narrows(from: Elementary, to: Elementary) -> bool {
         (Class::Unsigned, Class::Signed) => a >= b,
         (Class::Float, Class::Signed | Class::Unsigned) => true,
         (Class::Signed | Class::Unsigned, Class::Float) => false,
+        // What is below 0 has no place there.
+        (Class::Duration, Class::Unsigned | Class::Date) | (Class::Signed, Class::Date | Class::Character) => true,
+        (Class::Unsigned, Class::Duration) => a >= b,
+        // A time of day ends at midnight.
+        (Class::Unsigned, Class::Date) => a > 16,
+        // An INT ends in 2079.
+        (Class::Date, Class::Signed) => a > b || (from == Date && b <= 16),
         _ => a > b,
+    }
+}
+
+/// Whether `number`, of the integer type `from`, is a value of type `to` that is no bit string.
+pub fn holds(rules: Rules, from: Elementary, to: Elementary, number: i128) -> bool {
+    let below = |bits: u32| (0..1i128 << bits).contains(&number);
+    match (to.class(), explicit(rules, from, to)) {
+        (Class::Signed | Class::Unsigned, _) => constant::fits(number, false, to),
+        (Class::Date, Some(Conversion::Ranged { max })) => (0..=i128::from(max)).contains(&number),
+        (Class::Character, _) => below(to.bits()),
+        (Class::Duration, _) => below(to.bits() - 1),
+        (Class::Date | Class::Bits | Class::Float, _) => false,
     }
 }
 

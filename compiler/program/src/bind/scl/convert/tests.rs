@@ -64,6 +64,13 @@ fn losses() {
     assert!(!narrows(Dint, Real));
     assert!(narrows(Real, Dint));
     assert!(narrows(Lreal, Real));
+    assert!(narrows(Time, Udint) && !narrows(Time, Dint));
+    assert!(narrows(Dint, TimeOfDay) && !narrows(TimeOfDay, Dint));
+    assert!(narrows(Int, Date) && narrows(Date, Int) && !narrows(Uint, Date) && !narrows(Date, Uint));
+    assert!(narrows(Udint, Time) && !narrows(Dint, Time) && narrows(Time, TimeOfDay) && !narrows(TimeOfDay, Time));
+    assert!(narrows(Sint, Char) && !narrows(Usint, Char) && !narrows(Char, Sint));
+    assert!(holds(Rules::Tia1500, Dint, TimeOfDay, 86_399_999) && !holds(Rules::Tia1500, Dint, TimeOfDay, 86_400_000));
+    assert!(holds(Rules::Tia1500, Udint, Time, 5) && !holds(Rules::Tia1500, Udint, Time, 1 << 31));
 }
 
 #[test]
