@@ -78,10 +78,9 @@ fn add_report(
             outcome.fail(&described(failure));
         }
     }
-    for place in &report.not_reached {
-        if reached_elsewhere(&(place.file.clone(), place.line)) {
-            continue;
-        }
+    let unreached = report.not_reached.iter().filter(|place| !reached_elsewhere(&(place.file.clone(), place.line)));
+    let unreached: Vec<_> = unreached.collect();
+    for place in unreached.iter().filter(|_| !stopped) {
         outcome.fail(&format!("{}:{}: {}\n       was never executed", place.file, place.line, place.text));
         if let Some(message) = not_reached(&program.sources, &place.file, place.line) {
             outcome.messages.push_str(&drawing::draw(&[message], &program.sources, false));
@@ -89,13 +88,19 @@ fn add_report(
     }
     for problem in &report.problems {
         let scenario = program.options.scenario.as_ref().map(|path| format!(" ({})", path.display()));
-        let after = match report.failures.iter().filter(follows).count() {
-            0 => String::new(),
-            1 => "\n       1 expectation was not reached".to_owned(),
-            count => format!("\n       {count} expectations were not reached"),
-        };
+        let after = unjudged(report.failures.iter().filter(follows).count(), if stopped { unreached.len() } else { 0 });
         outcome.fail(&format!("{}{}: {problem}{after}", outcome.name, scenario.unwrap_or_default()));
     }
+}
+
+/// What a fault has left over that stopped the CPU.
+fn unjudged(expectations: usize, assertions: usize) -> String {
+    let line = |count: usize, what: &str| match count {
+        0 => String::new(),
+        1 => format!("\n       1 {what} was not reached"),
+        count => format!("\n       {count} {what}s were not reached"),
+    };
+    line(expectations, "expectation") + &line(assertions, "assertion")
 }
 
 /// An assertion or expectation that failed: what was expected, what came, when, and what is beside it.
