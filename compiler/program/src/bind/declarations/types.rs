@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use plcc_abi::image::BlockKind;
+use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Bound, SectionKind, TypeKind, TypeRef};
 use plcc_syntax::chart::ast as chart;
@@ -20,6 +20,17 @@ use plcc_model::types::{ArrayType, DataType, Elementary, Member, OpenArrayType, 
 
 /// Limit of nested types; STEP 7 allows 8 structures.
 const DEPTH_MAX: u32 = 64;
+
+/// Types that an S7-1200 does not have, with the nearest that it has. Source: SCL reference, elementary types.
+const NOT_OF_S7_1200: [(Elementary, &str); 7] = [
+    (Elementary::Lword, "DWORD"),
+    (Elementary::Lint, "DINT"),
+    (Elementary::Ulint, "UDINT"),
+    (Elementary::Ltime, "TIME"),
+    (Elementary::Ltod, "TOD"),
+    (Elementary::Ldt, "DTL"),
+    (Elementary::S5Time, "TIME"),
+];
 
 /// The types of the program that have been needed so far, and where declarations are bound.
 #[derive(Default)]
@@ -157,6 +168,9 @@ impl<'a> Declarations<'a> {
 
     fn named_type(&mut self, word: &str, span: Span, used: Use) -> Option<Typed> {
         if let Some(ty) = Elementary::from_word(word) {
+            if let Some((_, instead)) = NOT_OF_S7_1200.iter().find(|(absent, _)| *absent == ty) {
+                self.check_type_of_cpu(ty.name(), instead, span);
+            }
             return Some(elementary_typed(ty));
         }
         let parameter = match word {
@@ -203,6 +217,22 @@ impl<'a> Declarations<'a> {
         }
         let image = vec![0; layout::parameter_bytes(parameter) as usize];
         Some(Typed { ty: DataType::Parameter(parameter), image: Rc::from(image) })
+    }
+
+    /// Warns once of a type that an S7-1200 does not have, if the CPU is one.
+    fn check_type_of_cpu(&mut self, name: &str, instead: &str, span: Span) {
+        if self.globals.input.profile.family != Family::S71200 || span.file == SYSTEM_FILE {
+            return;
+        }
+        let title = format!("an S7-1200 does not have the type {name}");
+        if self.globals.report.diagnostics.iter().any(|known| known.title == title) {
+            return;
+        }
+        self.report(
+            Diagnostic::new(Code::CpuLimit, span, title)
+                .label("a type of other CPUs")
+                .help(format!("declare it as {instead}, or name another CPU with --cpu or in plc.toml")),
+        );
     }
 
     fn array_type(&mut self, bounds: &[(Bound, Bound)], element: &TypeRef, span: Span, used: Use) -> Option<Typed> {
