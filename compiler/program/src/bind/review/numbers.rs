@@ -216,7 +216,7 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
 }
 
 /// The operand of a statement, as written.
-fn operand_text(span: Span, sources: &SourceMap) -> &str {
+pub(super) fn operand_text(span: Span, sources: &SourceMap) -> &str {
     let text = sources.file(span.file).text.get(span.range()).unwrap_or_default();
     let text = text.split_once(|c: char| c.is_whitespace()).map_or("", |(_, operand)| operand);
     text.trim().trim_end_matches(';').trim_end()

@@ -1,6 +1,6 @@
 //! What has no effect in a block in STL: statements that never run, labels that no jump names, timers that start
-//! without a time, outputs that are assigned twice. A warning is given only where no path through the block makes the
-//! statement useful.
+//! without a time, outputs that are assigned twice, edges that share their edge memory bit. A warning is given only
+//! where no path through the block makes the statement useful.
 
 use std::collections::HashMap;
 
@@ -11,6 +11,8 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::CellKind;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 use rustc_hash::FxHashSet;
+
+use super::numbers::operand_text;
 
 /// Most that a counter counts to.
 const COUNT_MAX: u32 = 999;
@@ -160,6 +162,58 @@ pub fn values(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<
             (StlInsn::Nop | StlInsn::Display, _) => {}
             _ => assigned.clear(),
         }
+    }
+}
+
+/// Reports edges that share their edge memory bit, unless a jump may part them: each reads what the other one wrote.
+pub fn edges(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
+    let mut first: HashMap<(u8, u16, u32, u8), Span> = HashMap::new();
+    for statement in statements {
+        match &statement.kind {
+            StlStatementKind::Instruction {
+                insn: StlInsn::EdgePositive | StlInsn::EdgeNegative,
+                operand: Operand::Memory { place, .. },
+            } => {
+                let Some(bit) = edge_bit(place) else { continue };
+                let Some(first) = first.insert(bit, statement.span) else { continue };
+                let text = format!("two edges share the edge memory bit `{}`", operand_text(statement.span, sources));
+                let message = Diagnostic::new(Code::EdgeBit, statement.span, text);
+                found.push(
+                    message
+                        .label("this edge reads what the other one wrote")
+                        .also(first, "the first edge")
+                        .help("give each edge its own BOOL, in bit memory or in static data"),
+                );
+            }
+            StlStatementKind::Instruction { operand: Operand::Label(_), .. }
+            | StlStatementKind::Label(_)
+            | StlStatementKind::JumpList { .. } => first.clear(),
+            StlStatementKind::Instruction { .. }
+            | StlStatementKind::Call(_)
+            | StlStatementKind::Assert(_)
+            | StlStatementKind::Sleep(_) => {}
+        }
+    }
+}
+
+/// A bit whose place is the same wherever it is named.
+fn edge_bit(place: &Place) -> Option<(u8, u16, u32, u8)> {
+    match *place {
+        Place::M { byte, bit } => Some((0, 0, byte, bit)),
+        Place::Q { byte, bit } => Some((1, 0, byte, bit)),
+        Place::Db { number, byte, bit } => Some((2, number, byte, bit)),
+        Place::Instance { byte, bit } => Some((3, 0, byte, bit)),
+        Place::I { .. }
+        | Place::Pi { .. }
+        | Place::Pq { .. }
+        | Place::L { .. }
+        | Place::OpenDb { .. }
+        | Place::OpenDi { .. }
+        | Place::Parameter { .. }
+        | Place::ThroughPointer { .. }
+        | Place::Indirect { .. }
+        | Place::Register { .. }
+        | Place::Element { .. } => None,
     }
 }
 

@@ -94,21 +94,30 @@ impl StlBinder<'_, '_> {
             self.program.numbers.insert((operand.span.file, operand.span.end), *ty);
         }
         let bound = self.check_class(insn, class, mnemonic, operand.span, settled)?;
-        if matches!(insn, StlInsn::EdgePositive | StlInsn::EdgeNegative)
-            && let Operand::Memory { place, .. } = &bound
-            && matches!(place.root(), Place::L { .. })
-        {
-            self.program.report(
-                Diagnostic::new(
-                    Code::EdgeBitLocal,
-                    operand.span,
-                    "an edge memory bit in local data is lost after the block",
-                )
-                .label("temporary data")
-                .help("use a bit of M, of a data block or static data of an FB"),
-            );
+        if let (StlInsn::EdgePositive | StlInsn::EdgeNegative, Operand::Memory { place, .. }) = (insn, &bound) {
+            self.check_edge_bit(place, operand.span);
         }
         Some(bound)
+    }
+
+    /// An edge memory bit keeps its value from one cycle to the next.
+    fn check_edge_bit(&mut self, place: &Place, span: Span) {
+        let elsewhere = "a bit of M, of a data block or static data of an FB";
+        let message = match place.root() {
+            Place::L { .. } => {
+                let text = "an edge memory bit in local data is lost after the block";
+                let message = Diagnostic::new(Code::EdgeBitLocal, span, text).label("temporary data");
+                message.help(format!("use {elsewhere}"))
+            }
+            Place::I { .. } => {
+                let text = self.program.globals.text(span);
+                Diagnostic::new(Code::EdgeBit, span, format!("`{text}` cannot remember an edge"))
+                    .label("an input, which the process image overwrites")
+                    .help(format!("scan the input before the edge, `A {text}`, and use {elsewhere} here"))
+            }
+            _ => return,
+        };
+        self.program.report(message);
     }
 
     fn without_operand(&mut self, class: OperandClass, mnemonic: Span) -> Option<Operand> {
