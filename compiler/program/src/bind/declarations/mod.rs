@@ -55,11 +55,11 @@ pub struct Declarations<'a> {
     pub interfaces: FxHashMap<BlockKey, State<Option<Rc<BoundInterface>>>>,
     pub data: DataBlocks,
     pub pointers: InstancePointers,
-    /// The declared types of numbers that statements in STL load and transfer, for the review.
+    /// The declared types of numbers and durations that statements in STL load and transfer, for the review.
     pub numbers: NumberTypes,
 }
 
-/// Types of numbers by the file and the end of the operand that names one.
+/// Types of numbers and TIMEs by the file and the end of the operand that names one.
 pub type NumberTypes = FxHashMap<(FileId, u32), Elementary>;
 
 impl<'a> Declarations<'a> {

@@ -61,7 +61,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
             Body::Stl(statements) => {
                 stl::labels(statements, sources, &mut found);
                 stl::unreachable(statements, &mut found);
-                stl::values(statements, sources, &mut found);
+                stl::values(statements, &program.numbers, sources, &mut found);
                 stl::edges(statements, sources, &mut found);
                 endless::jumps(statements, &mut found);
                 numbers::review(statements, &program.numbers, sources, &mut found);

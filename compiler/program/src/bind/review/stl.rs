@@ -13,9 +13,12 @@ use plcc_syntax::stl::{OperandClass, StlInsn};
 use rustc_hash::FxHashSet;
 
 use super::numbers::operand_text;
+use crate::bind::declarations::NumberTypes;
 
 /// Most that a counter counts to.
 const COUNT_MAX: u32 = 999;
+/// What a timer does with what is not an S5TIME.
+const TAKES_BCD: &str = "takes the bits of ACCU1 as time base and three BCD digits";
 
 /// Reports labels that no jump of the block names.
 pub fn labels(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
@@ -93,24 +96,24 @@ pub fn unreachable(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
 }
 
 /// Reports timers without a time, and outputs that are assigned twice.
-pub fn values(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
+pub fn values(statements: &[StlStatement], declared: &NumberTypes, sources: &SourceMap, found: &mut Vec<Diagnostic>) {
     let mut accu_is_loaded = false;
-    // The constant in ACCU1, if the statements before say so.
-    let mut constant: Option<&StlStatement> = None;
+    // What loads ACCU1, if the statements before say so.
+    let mut loaded: Option<&StlStatement> = None;
     let mut assigned: HashMap<(u32, u8), Span> = HashMap::new();
     for statement in statements {
         let StlStatementKind::Instruction { insn, operand } = &statement.kind else {
             accu_is_loaded = true;
-            constant = None;
+            loaded = None;
             assigned.clear();
             continue;
         };
-        if let Some(load) = constant
+        if let Some(load) = loaded
             && is_timer_start(*insn)
         {
-            found.extend(not_a_time(load, statement.span, sources));
+            found.extend(not_a_time(load, statement.span, declared, sources));
         }
-        if let Some(load) = constant
+        if let Some(load) = loaded
             && matches!((insn, operand), (StlInsn::Set, Operand::Cell { kind: CellKind::Counter, .. }))
         {
             found.extend(not_a_count(load, statement.span, sources));
@@ -137,7 +140,7 @@ pub fn values(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<
             );
         accu_is_loaded |= !keeps_accu;
         if !keeps_accu {
-            constant = matches!((insn, operand), (StlInsn::Load, Operand::Const { .. })).then_some(statement);
+            loaded = (*insn == StlInsn::Load).then_some(statement);
         }
         match (insn, operand) {
             (StlInsn::Assign, Operand::Memory { place: Place::Q { byte, bit }, .. }) => {
@@ -217,8 +220,15 @@ fn edge_bit(place: &Place) -> Option<(u8, u16, u32, u8)> {
     }
 }
 
-/// What is wrong if a timer starts with the constant of `load`, which is not an S5TIME.
-fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<Diagnostic> {
+/// What is wrong if a timer starts with the value of `load`, which is not an S5TIME.
+fn not_a_time(load: &StlStatement, timer: Span, declared: &NumberTypes, sources: &SourceMap) -> Option<Diagnostic> {
+    if declared.get(&(load.span.file, load.span.end)) == Some(&Elementary::Time) {
+        let variable = operand_text(load.span, sources);
+        let title = format!("`{variable}` is a TIME, and not an S5TIME");
+        let message = Diagnostic::new(Code::TimerWithoutTime, timer, title).label(TAKES_BCD);
+        let help = format!("convert it before, as FC 40 TIM_S5TI does, or declare `{variable}` as S5TIME");
+        return Some(message.also(load.span, "loaded here").help(help));
+    }
     let StlStatementKind::Instruction { operand: Operand::Const { value, wide }, .. } = load.kind else { return None };
     let text = sources.file(load.span.file).text.get(load.span.start as usize..load.span.end as usize)?;
     let text = text.split_whitespace().next_back()?.trim_end_matches(';');
@@ -240,12 +250,7 @@ fn not_a_time(load: &StlStatement, timer: Span, sources: &SourceMap) -> Option<D
         }
         false => rewrite::help(Elementary::S5Time, count.unwrap_or(text), Form::Stl),
     };
-    Some(
-        message
-            .label("takes the bits of ACCU1 as time base and three BCD digits")
-            .also(load.span, "loaded here")
-            .help(help),
-    )
+    Some(message.label(TAKES_BCD).also(load.span, "loaded here").help(help))
 }
 
 /// A duration that is not 0, of an S5TIME that is: `S5T#5MS`.

@@ -2,10 +2,10 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::Class;
 use plcc_syntax::ast::{self, AddressRegister, Area, BlockPrefix, CellKind, SpecialRegister, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::{OperandClass, StlInsn};
+use plcc_syntax::{Class, Elementary};
 
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::globals::names::code_kind;
@@ -89,7 +89,7 @@ impl StlBinder<'_, '_> {
         let operand = constant.as_ref().unwrap_or(operand);
         let settled = self.settle(ctx, operand)?;
         if let (StlInsn::Load | StlInsn::Transfer, Settled::Memory { ty: Some(ty), .. }) = (insn, &settled)
-            && matches!(ty.class(), Class::Signed | Class::Unsigned | Class::Float)
+            && (matches!(ty.class(), Class::Signed | Class::Unsigned | Class::Float) || *ty == Elementary::Time)
         {
             self.program.numbers.insert((operand.span.file, operand.span.end), *ty);
         }
