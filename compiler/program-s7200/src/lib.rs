@@ -18,6 +18,7 @@ mod constant;
 mod data;
 mod interface;
 mod names;
+mod numbers;
 mod operand;
 mod partial;
 pub use partial::complete;

@@ -9,6 +9,8 @@ use plcc_model::{Body, CodeBlock};
 use plcc_syntax::s7200::{Insn, OperandClass};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use crate::numbers;
+
 /// The messages about the statements of `blocks`.
 pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
     let mut found = Vec::new();
@@ -18,6 +20,7 @@ pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
             never_reached(&body.statements, &mut found);
             local_memory(body, blocks, &mut found);
             divisions(&body.statements, &mut found);
+            numbers::review(&body.statements, &mut found);
         }
     }
     found
@@ -92,7 +95,7 @@ fn is_contact(insn: Insn) -> bool {
 }
 
 /// What comes after it may be skipped, or come from elsewhere.
-fn may_leave(insn: Insn) -> bool {
+pub(crate) fn may_leave(insn: Insn) -> bool {
     matches!(
         insn,
         Insn::Jmp
@@ -247,7 +250,7 @@ fn goes_back(statements: &[Statement]) -> bool {
     })
 }
 
-fn is_read(class: OperandClass) -> bool {
+pub(crate) fn is_read(class: OperandClass) -> bool {
     matches!(
         class,
         OperandClass::Bit
@@ -264,7 +267,7 @@ fn is_read(class: OperandClass) -> bool {
 }
 
 /// It writes no more than its operand.
-fn is_single(class: OperandClass) -> bool {
+pub(crate) fn is_single(class: OperandClass) -> bool {
     matches!(
         class,
         OperandClass::ByteOut
