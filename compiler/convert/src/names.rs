@@ -15,6 +15,11 @@ pub fn symbol(name: &str) -> String {
     format!("\"{name}\"")
 }
 
+/// The name in that of an input or output itself, of which `:P` is a part in the tree: `"tag":P`.
+pub fn without_periphery(name: &str) -> Option<&str> {
+    name.strip_suffix(":P").or_else(|| name.strip_suffix(":p")).filter(|name| !name.is_empty())
+}
+
 /// A name as it stands, in quotes only if it must have them.
 pub fn bare(name: &str) -> String {
     declared(name)

@@ -101,14 +101,22 @@ pub(crate) fn name_text(name: &Name) -> String {
     match name.form {
         NameForm::Bare => names::bare(&name.text),
         NameForm::Local => names::local(&name.text),
-        NameForm::Quoted => names::symbol(&name.text),
+        NameForm::Quoted => with_periphery(&name.text, names::symbol),
+    }
+}
+
+/// A name of an input or output itself: `"tag":P`, `"tag".component:P`.
+fn with_periphery(name: &str, written: fn(&str) -> String) -> String {
+    match names::without_periphery(name) {
+        Some(name) => format!("{}:P", written(name)),
+        None => written(name),
     }
 }
 
 fn member(name: &Name) -> String {
     match name.form {
-        NameForm::Quoted => names::symbol(&name.text),
-        NameForm::Bare | NameForm::Local => names::declared(&name.text),
+        NameForm::Quoted => with_periphery(&name.text, names::symbol),
+        NameForm::Bare | NameForm::Local => with_periphery(&name.text, names::declared),
     }
 }
 

@@ -8,6 +8,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 
 use super::Maker;
 use super::logic::Logic;
+use crate::names;
 use crate::operand::constant;
 
 impl Maker<'_> {
@@ -74,11 +75,11 @@ pub(crate) fn operand_of(value: &Expr) -> Option<Operand> {
         ExprKind::Absolute(kind) => kind.clone(),
         ExprKind::Name(name) => match (name.form, scl::absolute(&name.text)) {
             (NameForm::Bare, Some(kind)) => kind,
-            _ => OperandKind::Path(Path { root: root(name), parts: Vec::new(), span }),
+            _ => whole(Path { root: root(name), parts: Vec::new(), span }),
         },
         ExprKind::Member { .. } | ExprKind::Index { .. } => {
             let (root, parts) = path(value)?;
-            OperandKind::Path(Path { root, parts, span })
+            whole(Path { root, parts, span })
         }
         ExprKind::MemberAbsolute { base, width, byte, bit } => {
             let db = match &base.kind {
@@ -97,6 +98,22 @@ pub(crate) fn operand_of(value: &Expr) -> Option<Operand> {
         _ => OperandKind::Literal(constant(value)?),
     };
     Some(Operand { kind, span })
+}
+
+/// A path as an operand. In SCL and networks `:P` is a part of its last name, in STL it follows the path.
+fn whole(mut path: Path) -> OperandKind {
+    let direct = match (path.parts.last(), &path.root) {
+        (Some(PathPart::Member { name, .. }), _) | (None, PathRoot::Quoted { name, .. }) => {
+            names::without_periphery(name).map(str::to_string)
+        }
+        _ => None,
+    };
+    let Some(direct) = direct else { return OperandKind::Path(path) };
+    match (path.parts.last_mut(), &mut path.root) {
+        (Some(PathPart::Member { name, .. }), _) | (None, PathRoot::Quoted { name, .. }) => *name = direct,
+        _ => {}
+    }
+    OperandKind::Peripheral(path)
 }
 
 fn root(name: &Name) -> PathRoot {

@@ -4,6 +4,7 @@ use plcc_syntax::ast::{Area, BlockName, BlockPrefix, CellKind, CodeBlock, Operan
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 
 use super::{Library, Uids};
+use crate::names;
 use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
@@ -148,7 +149,15 @@ fn components(value: &Expr, node: &mut Node, block: &CodeBlock, uids: &mut Uids,
 }
 
 fn component(name: &Name) -> Node {
-    Node::new("Component").with("Name", &name.text)
+    named(&name.text)
+}
+
+/// A component of a symbol; `:P` at its end means an input or output itself.
+pub fn named(name: &str) -> Node {
+    match names::without_periphery(name) {
+        Some(name) => Node::new("Component").with("Name", name).with("SimpleAccessModifier", "Periphery"),
+        None => Node::new("Component").with("Name", name),
+    }
 }
 
 /// The address of an absolute operand.

@@ -8,6 +8,7 @@ use plcc_syntax::scl::{self, address};
 
 use super::access::{self, Whose};
 use super::{Library, Uids, comment_text};
+use crate::names;
 use crate::node::Node;
 use crate::trivia::Remark;
 use crate::writer::Writer;
@@ -184,11 +185,12 @@ impl<'a> Maker<'a> {
 
     /// `#a.b[1].c`, `"db".x`; an instance is called.
     fn variable(&mut self, list: &mut Node) {
-        let first = self.peek(0);
-        let (name, form) = match (first.strip_prefix('#'), is_quoted(first)) {
-            (Some(name), _) => (name.trim_matches('"'), NameForm::Local),
-            (None, true) => (first.trim_matches('"'), NameForm::Quoted),
-            (None, false) => (first, NameForm::Bare),
+        // Of `"tag":P` the letter stays.
+        let first = self.peek(0).replace('"', "");
+        let (name, form) = match (first.strip_prefix('#'), is_quoted(self.peek(0))) {
+            (Some(name), _) => (name, NameForm::Local),
+            (None, true) => (first.as_str(), NameForm::Quoted),
+            (None, false) => (first.as_str(), NameForm::Bare),
         };
         let whose = access::whose(name, form, self.block);
         if whose == Whose::LocalConstant {
@@ -197,12 +199,12 @@ impl<'a> Maker<'a> {
             return list.push(self.numbered("Access").with("Scope", "LocalConstant").child(constant));
         }
         let start = self.at;
-        let mut symbol = Node::new("Symbol").child(Node::new("Component").with("Name", name));
+        let mut symbol = Node::new("Symbol").child(access::named(name));
         self.at += 1;
         loop {
             match (self.peek(0), self.peek(1)) {
-                (".", next) if is_name(next) => {
-                    symbol.push(Node::new("Component").with("Name", next.trim_matches('"')));
+                (".", next) if is_name(names::without_periphery(next).unwrap_or(next)) => {
+                    symbol.push(access::named(&next.replace('"', "")));
                     self.at += 2;
                 }
                 (".", next) if next.starts_with('%') && slice(&next[1..]).is_some() => {

@@ -335,6 +335,38 @@ fn numbers_of_documents_stay() {
     assert!(found.contains("OB 35"), "{found}");
 }
 
+/// `"tag":P` is an input or output itself, not a tag with this name.
+#[test]
+fn direct_access_stays_direct() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let scl = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    x : BOOL;\nEND_VAR\nBEGIN\n    #x := \"Tag\":P;\n    \
+               #x := \"Motor\".run:P;\n    \"Out\":P := #x;\nEND_FUNCTION\n";
+    let ladder = "FUNCTION F : Void\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  Contact( \"Tag\":P )  Coil( \"Motor\".run:P )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), scl).expect("the folder can be written");
+    fs::write(folder.join("b.s7dcl"), ladder).expect("the folder can be written");
+    let convert = |name: &str, to: &str| {
+        let output = plcc(folder, &["convert", name, "--to", to]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    assert_eq!(convert("a.scl", "scl"), scl);
+    assert_eq!(convert("b.s7dcl", "sd"), ladder);
+    for (name, back) in [("a.scl", "scl"), ("b.s7dcl", "sd")] {
+        let document = convert(name, "xml");
+        for component in ["Tag", "run"] {
+            let wanted = format!("<Component Name=\"{component}\" SimpleAccessModifier=\"Periphery\"/>");
+            assert!(document.contains(&wanted), "{wanted} in\n{document}");
+        }
+        fs::write(folder.join("c.xml"), document).expect("the folder can be written");
+        let again = convert("c.xml", back);
+        assert!(again.contains("\"Tag\":P") && again.contains("\"Motor\".run:P"), "{again}");
+    }
+    let list = convert("b.s7dcl", "stl");
+    assert!(list.contains("A     \"Tag\":P;") && list.contains("=     \"Motor\".run:P;"), "{list}");
+}
+
 /// Start values of all types that STL has constants of.
 #[test]
 fn start_values_of_stl_become_xml() {

@@ -58,7 +58,11 @@ fn name(name: &Name) -> String {
     match name.form {
         NameForm::Bare => name.text.clone(),
         NameForm::Local => format!("#{}", name.text),
-        NameForm::Quoted => format!("\"{}\"", name.text),
+        // Of an input or output itself, `:P` is a part of the name.
+        NameForm::Quoted => match name.text.strip_suffix(":P") {
+            Some(tag) => format!("\"{tag}\":P"),
+            None => format!("\"{}\"", name.text),
+        },
     }
 }
 
