@@ -431,7 +431,9 @@ impl Writer<'_> {
         let known = row.and_then(|row| row.pin(&pin.name));
         let is_in_out = known.is_some_and(|(known, _)| known.direction == PinDirection::InOut);
         let sign = if pin.output && !is_assigned && !is_in_out { "=>" } else { ":=" };
-        format!("{} {sign} {not}{value}", pin.name).trim_end().to_string()
+        // The parameters of a block have any names.
+        let name = if row.is_some() { pin.name.clone() } else { names::declared(&pin.name) };
+        format!("{name} {sign} {not}{value}").trim_end().to_string()
     }
 
     /// The attributes before an element, and those after its name.

@@ -335,6 +335,17 @@ fn numbers_of_documents_stay() {
     assert!(found.contains("OB 35"), "{found}");
 }
 
+/// Names of parameters with blanks are in quotes.
+#[test]
+fn parameters_of_blocks_have_any_names() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION F : Void\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  \"Other FC\"( \"a b\" := 1, \"c/d\" => %MW2, e := %MW4 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout), source);
+}
+
 /// `"tag":P` is an input or output itself, not a tag with this name.
 #[test]
 fn direct_access_stays_direct() {
