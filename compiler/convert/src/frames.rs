@@ -302,11 +302,18 @@ impl Writer<'_> {
         self.out.remarks(&remarks);
     }
 
-    /// A name that is declared, in quotes if it must have them; a word of the language, if it has them in the source: `"IF"`.
+    /// A name that is declared, in quotes if it must have them; a word of the language, or one with letters of other languages, if it has
+    /// them in the source: `"IF"`.
     fn declared(&self, name: &str, span: Span) -> String {
-        let quoted = format!("\"{name}\"");
-        let is_quoted = || self.source.and_then(|source| source.get(span.range())) == Some(quoted.as_str());
-        if Keyword::from_word(name).is_some() && is_quoted() { quoted } else { names::declared(name) }
+        let may_have = Keyword::from_word(name).is_some() || !name.is_ascii();
+        if may_have && self.is_quoted(name, span) { names::symbol(name) } else { names::declared(name) }
+    }
+
+    /// Whether a name is in quotes in the source, also after `#`.
+    pub(crate) fn is_quoted(&self, name: &str, span: Span) -> bool {
+        let text = self.source.and_then(|source| source.get(span.range()));
+        let text = text.map(|text| text.strip_prefix('#').unwrap_or(text));
+        text.and_then(|text| text.strip_prefix('"')?.strip_suffix('"')) == Some(name)
     }
 
     pub(crate) fn value(&mut self, value: &ValueAssignment) {

@@ -21,6 +21,10 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
     match &value.kind {
         ExprKind::Literal(constant) => constant_text(constant, value.span, writer),
         ExprKind::Name(name) if writer.notation == Notation::Gr7 && name.form == NameForm::Bare => name.text.clone(),
+        // `#"END"`, as the author wrote it.
+        ExprKind::Name(name) if name.form == NameForm::Local && writer.is_quoted(&name.text, name.span) => {
+            format!("#{}", names::symbol(&name.text))
+        }
         ExprKind::Name(name) => name_text(name),
         ExprKind::Absolute(kind) => absolute(kind, value.span, writer),
         ExprKind::Member { base, name } => format!("{}.{}", written(base, u8::MAX, writer), member(name)),

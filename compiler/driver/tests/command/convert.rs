@@ -344,6 +344,11 @@ fn parameters_of_blocks_have_any_names() {
                   RUNG wire#powerrail  \"Other FC\"( \"a b\" := 1, \"c/d\" => %MW2, e := %MW4 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
     fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
     assert_eq!(text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout), source);
+    // Words of the language are names in quotes, as their author wrote them.
+    let source = "FUNCTION \"F\" : VOID\nVAR_INPUT\n    \"END\" : INT;\n    \"Größe\" : INT;\n    Länge : INT;\nEND_VAR\nBEGIN\n    \
+                  \"DB 1\".\"a b\"[#\"END\"].\"if\" := #\"Größe\" + #Länge;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "a.scl", "--to", "scl"]).stdout), source);
 }
 
 /// `"tag":P` is an input or output itself, not a tag with this name.
