@@ -375,20 +375,28 @@ impl Writer<'_> {
             if is_flow || is_out {
                 continue;
             }
-            arguments.push((pin.span.start, self.sd_argument(wires, row, pin)));
+            let text = self.sd_argument(wires, row, pin);
+            let is_unnamed = self.source.is_some_and(|source| written::is_unnamed(source, pin.span));
+            let value = text.strip_prefix(&pin.name).and_then(|rest| rest.trim_start().split_once(' '));
+            let value = value.filter(|(sign, _)| is_unnamed && matches!(*sign, ":=" | "=>"));
+            let value = value.map(|(_, value)| value.to_string());
+            arguments.push((pin.span.start, text, value));
         }
         // In the order of the author, with the pins that are open.
         if let Some(written) = written {
             let is_known =
                 |text: &str| element.pins.iter().any(|pin| text.split(' ').next() == Some(pin.name.as_str()));
-            let open: Vec<_> = written.open.into_iter().filter(|(_, text)| !is_known(text)).collect();
-            let is_all = arguments.iter().all(|(start, _)| written.arguments.contains(start));
-            arguments.extend(open);
+            let open = written.open.into_iter().filter(|(_, text)| !is_known(text));
+            let is_all = arguments.iter().all(|(start, ..)| written.arguments.contains(start));
+            arguments.extend(open.map(|(start, text)| (start, text, None)));
             if is_all {
-                arguments.sort_by_key(|(start, _)| *start);
+                arguments.sort_by_key(|(start, ..)| *start);
+                for (_, text, value) in &mut arguments {
+                    *text = value.take().unwrap_or_else(|| std::mem::take(text));
+                }
             }
         }
-        let arguments: Vec<String> = arguments.into_iter().map(|(_, text)| text).collect();
+        let arguments: Vec<String> = arguments.into_iter().map(|(_, text, _)| text).collect();
         let (settings, inline) = self.settings(element);
         let arguments = match arguments.is_empty() {
             true => "()".to_string(),

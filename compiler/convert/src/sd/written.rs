@@ -56,6 +56,12 @@ pub fn is_negated(source: &str, before: u32) -> bool {
     })
 }
 
+/// Whether a pin is written without its name: `Inc( #n )`.
+pub fn is_unnamed(source: &str, pin: Span) -> bool {
+    let text = source.get(pin.range()).unwrap_or_default();
+    !text.is_empty() && !text.contains(":=") && !text.contains("=>")
+}
+
 /// Whether a pin is written with `:=`, as an output of some coils may be: `operand := #a`.
 pub fn is_assigned(source: &str, pin: Span, name: &str) -> bool {
     let text = source.get(pin.range()).unwrap_or_default().trim_start();

@@ -97,7 +97,8 @@ fn documents_come_back_as_they_were() {
     let source = "FUNCTION_BLOCK Gates\n    VAR\n        left, right : _.Valve;\n        osc : TON_TIME;\n        e, t : Bool;\n    \
                   END_VAR\n    { S7_Language := \"FBD\" }\n    NETWORK\n        RUNG #e  A()  S_Coil( #t )  END_RUNG\n        \
                   RUNG #t  { S7_Templates := \"time_type := Time\" }  NOT  #osc.TON( pt := T#1s, et => )  Coil( #t )  END_RUNG\n        \
-                  RUNG #t  P_Coil( operand := #e, bit := %M0.0 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION_BLOCK\n";
+                  RUNG #t  P_Coil( operand := #e, bit := %M0.0 )  END_RUNG\n        \
+                  RUNG #t  A()  Inc( %MW2 )  Return( #t )  END_RUNG\n    END_NETWORK\nEND_FUNCTION_BLOCK\n";
     fs::write(folder.join("gates.s7dcl"), source).expect("the folder can be written");
     let output = plcc(folder, &["convert", "gates.s7dcl", "--to", "sd"]);
     assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
