@@ -5,7 +5,7 @@
 //! | `ADD(a, b, c)`, `MULTIME(t, n)`, `SUB_TOD_TOD(a, b)` | operators |
 //! | `GE(a, b, c)` | `a >= b AND b >= c` |
 //! | `INT_TO_BOOL(i)` | `i <> 0`: SCL uses the lowest bit |
-//! | `INT_TO_STRING(i)` | without sign and blanks, with a function of the library |
+//! | `INT_TO_STRING(i)`, `WORD_TO_STRING(w)` | without sign and blanks, with a function of the library |
 //! | `BCD_TO_INT(w)`, `WORD_BCD_TO_UINT(w)` | all digits count, with a function of the library |
 //! | `TIME_TO_INT(t)` | milliseconds; in editors that compile with MATIEC seconds |
 //! | `WORD_TO_REAL(w)`, `REAL_TO_WORD(r)` | a bit string is a number without sign; SCL keeps the bits of a DWORD or LWORD, and has no others |
@@ -134,10 +134,14 @@ impl Make {
     }
 
     fn call(&self, name: &str, value: Expr) -> Expr {
+        self.call_with(name, vec![value])
+    }
+
+    fn call_with(&self, name: &str, values: Vec<Expr>) -> Expr {
         let callee = Name { text: name.to_string(), form: NameForm::Bare, span: self.name };
         let callee = Box::new(Expr { kind: ExprKind::Name(callee), span: self.name });
-        let argument = Argument { name: None, output: false, span: value.span, value: Some(value) };
-        self.expr(ExprKind::Call { callee, arguments: vec![argument] })
+        let argument = |value: Expr| Argument { name: None, output: false, span: value.span, value: Some(value) };
+        self.expr(ExprKind::Call { callee, arguments: values.into_iter().map(argument).collect() })
     }
 
     /// `from_TO_to(value)`
@@ -283,6 +287,20 @@ fn conversion(
         }
         (from, "STRING") if is(&["UDINT", "LINT"], from) => {
             make.call("IEC_LINT_TO_STRING", make.convert(from, "LINT", value)).kind
+        }
+        (from, "STRING") if is(BIT_STRINGS, from) && editor != Editor::Matiec => {
+            let number = floats::unsigned(from);
+            return conversion(
+                editor,
+                make,
+                &format!("{number}_TO_STRING"),
+                make.call(&format!("{from}_TO_{number}"), value),
+                tell,
+            );
+        }
+        // The sign that SCL writes is removed.
+        ("ULINT", "STRING") => {
+            make.call_with("DELETE", vec![make.call(upper, value), make.number(1), make.number(1)]).kind
         }
         (from, "STRING") if is(FLOATS, from) => {
             let text = format!("`{upper}` writes the number as the TIA Portal does: +1.500000E+000");
