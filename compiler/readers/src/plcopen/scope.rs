@@ -307,10 +307,17 @@ impl Scope {
     /// Converts bit strings that a call passes to floats; `kinds`: the types of the arguments.
     fn passed_to_floats(&self, callee: &Expr, arguments: &mut [Argument], kinds: &mut [Option<Ty>]) {
         let ExprKind::Name(called) = &callee.kind else { return };
-        let block = self.variable_type(&called.text);
+        let function = called.text.to_lowercase();
+        let is_function = !self.is_local(&function) && self.shared.pous.contains(&function);
+        let block = if is_function { Some(Ty::Named(function.clone())) } else { self.variable_type(&called.text) };
         let standard = if self.is_own(&called.text) { None } else { floats::inputs(&called.text, kinds) };
         for (at, (argument, kind)) in arguments.iter_mut().zip(kinds).enumerate() {
-            let formal = argument.name.as_ref().filter(|_| !argument.output).map(|name| name.text.to_lowercase());
+            let formal = match &argument.name {
+                Some(_) if argument.output => None,
+                Some(name) => Some(name.text.to_lowercase()),
+                None if is_function => self.shared.types.input(&function, at),
+                None => None,
+            };
             let of_block =
                 block.as_ref().zip(formal).and_then(|(block, formal)| self.shared.types.member(block, &formal));
             let of_function = standard.as_ref().filter(|(first, _)| at >= *first).map(|(_, ty)| ty.clone());

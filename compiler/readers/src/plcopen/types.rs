@@ -103,6 +103,8 @@ pub struct Types {
     members: HashMap<String, HashMap<String, Ty>>,
     /// Results of functions.
     returns: HashMap<String, Ty>,
+    /// Names of the inputs of POUs, in their order.
+    inputs: HashMap<String, Vec<String>>,
     globals: HashMap<String, Ty>,
 }
 
@@ -125,6 +127,9 @@ impl Types {
                     if let Some(ty) = child(interface, "returnType").and_then(Ty::of) {
                         types.returns.insert(name.clone(), ty);
                     }
+                    let lists = elements(interface).filter(|list| list.tag_name().name() == "inputVars");
+                    let inputs = lists.flat_map(elements).filter_map(|input| input.attribute("name"));
+                    types.inputs.insert(name.clone(), inputs.map(str::to_lowercase).collect());
                     types.members.insert(name, elements(interface).flat_map(variables).collect());
                 }
                 _ => {}
@@ -166,6 +171,11 @@ impl Types {
             ("ctu" | "ctd" | "ctud", "cv" | "pv") => Some(Ty::Of(Elementary::Int)),
             _ => None,
         }
+    }
+
+    /// The name of an input of a POU by its place, in lower case; `pou` in lower case.
+    pub fn input(&self, pou: &str, at: usize) -> Option<String> {
+        self.inputs.get(pou)?.get(at).cloned()
     }
 
     /// The result type of a function; `name` in upper case.
