@@ -577,11 +577,14 @@ fn pin_name(target: &Target, formal: &str, output: bool, number: usize) -> Optio
     let Target::Element { row, .. } = target else { return Some(formal.to_string()) };
     let flip_flop = matches!(row.kind, elements::Kind::FlipFlop { .. });
     let formal = if flip_flop { functions::flip_flop_pin(formal) } else { formal };
+    let formal = functions::texts::input(row.name, formal).filter(|_| !output).unwrap_or(formal);
+    // CODESYS calls the result of a function like the function.
+    let result = output && row.name.eq_ignore_ascii_case(formal);
     let on_side = |pin: &elements::PinRow| (pin.direction == PinDirection::Output) == output;
     let known = row.pin(formal).filter(|(pin, _)| on_side(pin)).map(|(_, canonical)| canonical);
     // If an element has one input or output, CODESYS names the pin like the first of several.
     let numbered = if output { "Out1" } else { "In1" };
-    if !formal.is_empty() && (known.is_some() || !formal.eq_ignore_ascii_case(numbered)) {
+    if !formal.is_empty() && (known.is_some() || !formal.eq_ignore_ascii_case(numbered) && !result) {
         return known;
     }
     let pins: Vec<elements::PinRow> =

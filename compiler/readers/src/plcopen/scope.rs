@@ -266,6 +266,11 @@ impl Scope {
                     _ => None,
                 };
                 if let Some(name) = standard {
+                    for formal in arguments.iter_mut().filter_map(|argument| argument.name.as_mut()) {
+                        if let Some(known) = texts::input(&name.text, &formal.text) {
+                            formal.text = known.to_string();
+                        }
+                    }
                     let mut tell = |message: Diagnostic| self.messages.borrow_mut().push(message);
                     if let Some(kind) =
                         functions::rewritten(self.shared.editor, &name, arguments, &kinds, value.span, &mut tell)

@@ -1,4 +1,5 @@
-//! Elements of texts in CODESYS: bytes, counted from 0. In SCL they are characters, counted from 1.
+//! Texts in CODESYS. Their elements are bytes, counted from 0; in SCL they are characters, counted from 1. Functions of texts have other names
+//! for their inputs.
 
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal};
 
@@ -32,5 +33,21 @@ pub fn as_place(value: &mut Expr) {
         && let Some(element) = argument.value.take()
     {
         *value = element;
+    }
+}
+
+/// The name in SCL of an input that CODESYS calls `STR`, `STR1`, `SIZE`, `LEN`, `POS`; none of other inputs and functions.
+pub fn input(function: &str, written: &str) -> Option<&'static str> {
+    let of = |names: &[&str]| names.iter().any(|name| name.eq_ignore_ascii_case(function));
+    let one = of(&["LEN", "LEFT", "RIGHT", "MID", "DELETE"]);
+    let two = of(&["CONCAT", "INSERT", "REPLACE", "FIND"]);
+    match written.to_ascii_uppercase().as_str() {
+        "STR" if one => Some("IN"),
+        "STR1" if two => Some("IN1"),
+        "STR2" if two => Some("IN2"),
+        "SIZE" if of(&["LEFT", "RIGHT"]) => Some("L"),
+        "LEN" if of(&["MID", "DELETE"]) => Some("L"),
+        "POS" if of(&["MID", "DELETE", "INSERT"]) => Some("P"),
+        _ => None,
     }
 }
