@@ -1,5 +1,6 @@
 //! Objects of a network as elements and nets.
 
+mod places;
 mod signals;
 
 use std::collections::HashMap;
@@ -400,6 +401,7 @@ impl Build<'_, '_, '_> {
         let compared = row.is_some_and(|row| matches!(row.kind, elements::Kind::Compare(op) if op != "<>"));
         let (mut pins, mut further) = (Vec::new(), Vec::new());
         let missing = row.and_then(|row| only_missing(row, &target, &object.inputs));
+        let placed = row.filter(|row| places::are_inputs(row, &object.inputs));
         for (number, input) in object.inputs.iter().enumerate() {
             if input.is_open() {
                 continue;
@@ -408,7 +410,8 @@ impl Build<'_, '_, '_> {
                 further.push(input);
                 continue;
             }
-            let Some(canonical) = pin_name(&target, &input.formal, false, number).or_else(|| {
+            let at_place = placed.and_then(|row| places::input(row, &input.formal));
+            let Some(canonical) = at_place.or_else(|| pin_name(&target, &input.formal, false, number)).or_else(|| {
                 let formal = (input.formal.as_str(), missing.as_deref());
                 self.unknown_pin(&target, formal, &object.name, false, input.span)
             }) else {
