@@ -402,7 +402,7 @@ impl Build<'_, '_, '_> {
         let (mut pins, mut further) = (Vec::new(), Vec::new());
         let missing = row.and_then(|row| only_missing(row, &target, &object.inputs));
         let placed = row.filter(|row| places::are_inputs(row, &object.inputs));
-        for (number, input) in object.inputs.iter().enumerate() {
+        for (number, input) in places::numbered(&object.inputs) {
             if input.is_open() {
                 continue;
             }
@@ -564,7 +564,7 @@ fn conversion(name: &str) -> Option<(Elementary, Elementary, &'static str)> {
 /// The input that must have a line and has none, if it is the only one.
 fn only_missing(row: &'static Row, target: &Target, inputs: &[Connection]) -> Option<String> {
     let is_given = |pin: &elements::PinRow| {
-        let mut names = inputs.iter().enumerate().map(|(number, input)| pin_name(target, &input.formal, false, number));
+        let mut names = places::numbered(inputs).map(|(number, input)| pin_name(target, &input.formal, false, number));
         names.any(|name| name.as_deref() == Some(pin.name()))
     };
     let mut open = row.pins().filter(|pin| {

@@ -3,13 +3,26 @@
 use super::super::objects::Connection;
 use plcc_syntax::network::elements::{PinDirection, PinRow, Row};
 
+/// The inputs with their numbers from 0; EN has none of its own.
+pub fn numbered(inputs: &[Connection]) -> impl Iterator<Item = (usize, &Connection)> {
+    inputs.iter().scan(0, |next, input| {
+        let number = *next;
+        *next += usize::from(!is_enable(input));
+        Some((number, input))
+    })
+}
+
+fn is_enable(input: &Connection) -> bool {
+    input.formal.eq_ignore_ascii_case("EN")
+}
+
 /// Whether the inputs of an element are named by their places, which are not names of its pins.
 pub fn are_inputs(row: &Row, inputs: &[Connection]) -> bool {
     // Such inputs have these names in any file.
     if pins(row).next().is_none_or(|first| first.name() == "in1") {
         return false;
     }
-    let named = inputs.iter().filter(|input| !input.formal.eq_ignore_ascii_case("EN"));
+    let named = inputs.iter().filter(|input| !is_enable(input));
     named.clone().count() > 1 && named.zip(0..).all(|(input, at)| place(&input.formal) == Some(at))
 }
 
