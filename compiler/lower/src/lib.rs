@@ -35,7 +35,7 @@ mod stop;
 mod used;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Site};
+use plcc_abi::image::{AssertEntry, BlockEntry, BlockKind, DbEntry, ErrorSlot, Family, Site};
 use plcc_abi::s7200::image::S7200Image;
 use plcc_diag::SourceMap;
 use plcc_ir::entities::EntityVec;
@@ -205,6 +205,14 @@ pub(crate) struct Output<'s> {
     used: Places,
 }
 
+/// See [`ProgramImage::sources_sum`]. The order of the files does not matter.
+fn sources_sum(program: &Program, sources: &SourceMap) -> u64 {
+    if program.profile.family != Family::S7400 {
+        return 0;
+    }
+    sources.files().fold(0, |all, (_, file)| all.wrapping_add(plcc_abi::loadable::sum(file.text.as_bytes())))
+}
+
 impl<'s> Output<'s> {
     fn new(
         program: &Program,
@@ -251,6 +259,7 @@ impl<'s> Output<'s> {
             used: Vec::new(),
             partial: program.partial.clone(),
             stops_itself: facts.stops_itself,
+            sources_sum: sources_sum(program, sources),
             shapes: shapes::of(program),
             outputs_used: u32::MAX,
             notices: program.notices.clone(),

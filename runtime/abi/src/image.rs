@@ -488,6 +488,8 @@ pub struct ProgramImage {
     pub outputs_used: u32,
     /// The program may end itself (SFC 46, STP): `plcc test` runs it until then.
     pub stops_itself: bool,
+    /// Tells the sources of an S7-400 from others: a hot restart needs the same program. 0 on other CPUs.
+    pub sources_sum: u64,
     /// Lines that every run prints first.
     pub notices: Vec<String>,
     /// Blocks that only code of the program calls, and their names: clients see them in lists.

@@ -69,6 +69,7 @@ fn image() -> ProgramImage {
         used: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
+        sources_sum: 0,
         shapes: Vec::new(),
         outputs_used: u32::MAX,
         notices: Vec::new(),

@@ -38,6 +38,8 @@ pub(super) enum Kind {
     NamedDb = 9,
     /// Which data blocks the program has, if references into them are retentive.
     Blocks = 10,
+    /// Without bytes: the signature is that of the sources, for a hot restart.
+    Program = 11,
 }
 
 /// A part of memory that is kept, in bits from the memory base.
@@ -176,6 +178,7 @@ impl Items {
         if everything {
             let (q, q_bytes) = cpu.area(Area::Outputs);
             add(Kind::Outputs, 0, 0, Place::Memory(vec![Bits::bytes(q, q_bytes)]));
+            add(Kind::Program, 0, cpu.image.sources_sum, Place::Memory(Vec::new()));
         }
         let (mut references, types) = (Vec::new(), &cpu.image.types);
         for db in cpu.image.dbs.iter().filter(|db| !db.unlinked && !db.read_only) {

@@ -74,6 +74,7 @@ pub fn image(blocks: &[(BlockKind, u16)]) -> ProgramImage {
         used: Vec::new(),
         partial: Vec::new(),
         stops_itself: false,
+        sources_sum: 0,
         shapes: Vec::new(),
         outputs_used: u32::MAX,
         notices: Vec::new(),

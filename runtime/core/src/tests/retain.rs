@@ -202,6 +202,16 @@ fn a_hot_restart_keeps_everything() {
         .0,
         100
     );
+    // Only its code has.
+    leave(&path, hot);
+    assert_eq!(
+        started(&path, &|image| {
+            hot(image);
+            image.sources_sum = 1;
+        })
+        .0,
+        100
+    );
 }
 
 #[test]

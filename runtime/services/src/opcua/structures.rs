@@ -374,6 +374,7 @@ mod tests {
             used: Vec::new(),
             partial: Vec::new(),
             stops_itself: false,
+            sources_sum: 0,
             shapes: Vec::new(),
             outputs_used: u32::MAX,
             notices: Vec::new(),
