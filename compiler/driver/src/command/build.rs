@@ -223,13 +223,13 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
 /// Writes to `output`, or to standard output.
 fn write_text(output: Option<&Path>, text: &str) -> Result<(), u8> {
     match output {
-        Some(path) => write_bytes(path, text.as_bytes()),
+        Some(path) => fs::write(path, text).map_err(|error| cannot_write(path, &error)),
         None => report::print(text),
     }
 }
 
 fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), u8> {
-    fs::write(path, bytes).map_err(|error| cannot_write(path, &error))
+    link::replace(path, bytes, 0o666).map_err(|error| unlinked(&error))
 }
 
 fn cannot_write(path: &Path, error: &std::io::Error) -> u8 {

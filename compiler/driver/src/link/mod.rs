@@ -112,7 +112,7 @@ pub fn link(objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> R
 pub fn link_form(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: Option<&str>) -> Result<(), LinkError> {
     match linker {
         Some(linker) => compiler::link(form, objects, out, linker),
-        None if Template::is_usable(form) => write_executable(out, &linked(form, objects)?),
+        None if Template::is_usable(form) => replace(out, &linked(form, objects)?, 0o777),
         None if matches!(form, Form::Executable(_)) => compiler::link(form, objects, out, COMPILER),
         None => Err(LinkError::NotHere(form)),
     }
@@ -158,24 +158,27 @@ fn linked(form: Form, objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError
     Ok(write::write(&template, &parsed, image))
 }
 
-/// Puts the executable in the place of what `path` was. A running executable goes on with the file that it was started from.
-fn write_executable(path: &Path, bytes: &[u8]) -> Result<(), LinkError> {
+/// Puts a file in the place of what `path` was, behind its links if it is one, with the rights `mode` as far as the user's mask lets them be.
+/// If the disk is full, what was there stays. A running executable goes on with the file that it was started from.
+pub fn replace(path: &Path, bytes: &[u8], mode: u32) -> Result<(), LinkError> {
     let failed = |error| LinkError::Output { path: path.to_path_buf(), error };
-    // Devices and pipes are written to.
-    if path.metadata().is_ok_and(|metadata| !metadata.is_file()) {
-        return fs::write(path, bytes).map_err(failed);
-    }
-    let folder = match path.parent() {
+    let place = match (path.metadata(), fs::canonicalize(path)) {
+        (Ok(found), Ok(place)) if found.is_file() => place,
+        // Devices and pipes are written to, and files that have no name.
+        (Ok(_), _) => return fs::write(path, bytes).map_err(failed),
+        (Err(_), _) => path.to_path_buf(),
+    };
+    let folder = match place.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
     let mut file = tempfile::Builder::new()
         .prefix(".plcc-")
-        .permissions(Permissions::from_mode(0o777))
+        .permissions(Permissions::from_mode(mode))
         .tempfile_in(folder)
         .map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
-    file.persist(path).map_err(|error| failed(error.error))?;
+    file.persist(&place).map_err(|error| failed(error.error))?;
     Ok(())
 }
 

@@ -164,3 +164,30 @@ fn an_output_that_cannot_be_written_is_named_by_its_folder() {
         assert!(!text.contains(".plcc-") && !text.contains("os error"), "{text}");
     }
 }
+
+#[test]
+fn an_output_stays_a_link() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let real = folder.path().join("real");
+    std::fs::write(&real, "old").expect("the folder can be written");
+    let link = folder.path().join("program");
+    std::os::unix::fs::symlink("real", &link).expect("the folder can be written");
+    build(folder.path(), "program", &[]);
+    assert!(link.is_symlink());
+    assert_eq!(run(folder.path(), "real").status.code(), Some(0));
+    assert_eq!(std::fs::read(&real).expect("it was built"), build(folder.path(), "program", &[]));
+}
+
+#[test]
+fn an_output_stays_when_the_disk_is_full() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("program.stl"), PROGRAM).expect("the folder can be written");
+    std::fs::write(folder.path().join("program.o"), "old").expect("the folder can be written");
+    // No file may have more than a block of 512 bytes.
+    let limited = format!("trap '' XFSZ; ulimit -f 1; exec '{PLCC}' build --emit obj program.stl");
+    let plcc = Command::new("sh").current_dir(&folder).args(["-c", &limited]).output().expect("there is a shell");
+    let told = String::from_utf8_lossy(&plcc.stderr);
+    assert_eq!(plcc.status.code(), Some(2), "{told}");
+    assert!(told.contains("cannot write `program.o`: file too large"), "{told}");
+    assert_eq!(std::fs::read_to_string(folder.path().join("program.o")).expect("it is there"), "old");
+}
