@@ -27,6 +27,8 @@ const LOOK: Duration = Duration::from_millis(100);
 const RETRY: std::ops::RangeInclusive<Duration> = Duration::from_millis(250)..=Duration::from_secs(10);
 /// Values that are published.
 const VALUES_MAX: usize = 1000;
+/// Reasons that are told while the broker is away.
+const REASONS_MAX: usize = 4;
 /// The environment variable with the password, so that it need not be in a URL.
 const PASSWORD_VARIABLE: &str = "PLCC_MQTT_PASSWORD";
 
@@ -141,16 +143,39 @@ struct NoDuties;
 
 impl Duties for NoDuties {}
 
+/// A time without the broker, and why: it may be down at first, and then refuse the password.
+#[derive(Default)]
+struct Outage {
+    /// Those that were told.
+    reasons: Vec<String>,
+}
+
+impl Outage {
+    /// Whether to tell this reason: each one is told once.
+    fn is_new(&mut self, reason: &str) -> bool {
+        let is_new = self.reasons.len() < REASONS_MAX && self.reasons.iter().all(|told| told != reason);
+        if is_new {
+            self.reasons.push(reason.to_string());
+        }
+        is_new
+    }
+
+    /// The broker is there. True: it was away.
+    fn end(&mut self) -> bool {
+        !std::mem::take(&mut self.reasons).is_empty()
+    }
+}
+
 /// Keeps the connection: `send` gets an odd number with each new one, and an even one when it is lost.
 async fn connect(mut events: EventLoop, send: watch::Sender<u64>, broker: String, mut duties: impl Duties) {
     let mut pause = *RETRY.start();
-    let mut told = false;
+    let mut outage = Outage::default();
     duties.prepare(&mut events.mqtt_options);
     loop {
         match events.poll().await {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
                 pause = *RETRY.start();
-                if std::mem::take(&mut told) {
+                if outage.end() {
                     crate::say(&format!("{broker} is back"));
                 }
                 send.send_modify(|number| *number = (*number | 1) + u64::from(*number % 2 == 1) * 2);
@@ -158,9 +183,9 @@ async fn connect(mut events: EventLoop, send: watch::Sender<u64>, broker: String
             Ok(Event::Incoming(Packet::Publish(message))) => duties.receive(message),
             Ok(_) => {}
             Err(error) => {
-                if !told {
-                    told = true;
-                    crate::say(&format!("{broker} does not answer: {error}; trying again"));
+                let reason = error.to_string();
+                if outage.is_new(&reason) {
+                    crate::say(&format!("{broker} does not answer: {reason}; trying again"));
                 }
                 // What was not delivered is no longer current when the broker is back: it gets all values then.
                 events.clean();
@@ -240,6 +265,20 @@ mod tests {
             }
             read_all(&bytes);
         }
+    }
+
+    #[test]
+    fn each_reason_of_an_outage_is_told_once() {
+        let mut outage = Outage::default();
+        assert!(!outage.end());
+        let told = |outage: &mut Outage, reasons: &str| -> String {
+            reasons.matches(|reason: char| outage.is_new(&reason.to_string())).collect()
+        };
+        assert_eq!(told(&mut outage, "ddpdp"), "dp");
+        assert!(outage.end());
+        assert!(!outage.end());
+        // Not without an end, if a broker has ever new ones.
+        assert_eq!(told(&mut outage, "dabcef"), "dabc");
     }
 
     #[test]
