@@ -102,7 +102,6 @@ const QUICK: &[(&str, &str)] = &[
     ("single", "push"),
     ("empty", "off"),
     ("timed", "register"),
-    ("beyond", "next"),
     ("swapped", "previous"),
     ("first", "j"),
     ("other", "elapsed"),
@@ -179,7 +178,7 @@ impl<'c> Engine<'c> {
             let variable = names[other].clone();
             names.insert(name, variable);
         }
-        for (name, set) in [("mask", &left), ("rest", &entered), ("signs", &passed)] {
+        for (name, set) in [("mask", &left), ("rest", &entered)] {
             names.extend(set.0[0].clone().map(|word| (name, word)));
         }
         for (name, path) in KEPT {
@@ -506,16 +505,6 @@ impl<'c> Engine<'c> {
             put("both", and(value("later"), SIGNS)),
             put("later", and(self.both(BinaryOp::Or, value("later"), ends), !SIGNS)),
         ]
-    }
-
-    /// T and U of step `k`, to which `step` has been added as to one number, as if it had been added to each for itself.
-    pub fn separate_pair(&self) -> Vec<Statement> {
-        let later = Expr { kind: ExprKind::Load(Box::new(self.times())), ty: Elementary::Ulint, span: self.span };
-        let before = self.both(BinaryOp::Subtract, later, self.value("step"));
-        let mut statements = vec![assign(self.variable("both"), before, self.span)];
-        statements.extend(self.count_separately());
-        statements.extend(self.put_pair());
-        statements
     }
 
     /// Stores `later` as T and U of step `k`.

@@ -276,13 +276,11 @@ impl Assembly<'_, '_> {
             ways[*to] == 1 && from != to && rivals[*to] == 0 && !has_twin[*from]
         };
         holes.insert("find_rivals", self.find_rivals(rivals.clone()));
-        // `timed` and `beyond` by the names of their places.
-        let mut to_lists = engine.leave_short_way(&["step", "register", "next", "left", "target"]);
+        // `timed` by the name of its place.
+        let mut to_lists = engine.leave_short_way(&["step", "register", "left", "target"]);
         to_lists.push(engine.passed_of_pair());
         holes.insert("to_lists", to_lists);
         holes.insert("each_step", self.each_of(&steps, &|step| self.each_step(step, &rivals, &is_usual)));
-        holes.insert("is_beyond", vec![self.put("beyond", compared(CompareOp::NotEqual, self.signs_of("signs"), 0))]);
-        holes.insert("repair", engine.separate_pair());
         let arms = (0..self.parts.to.len()).filter(|at| !self.parts.from[*at].is_empty()).map(|at| {
             let place = at as i128 + 1;
             Arm { ranges: vec![(place, place)], body: self.switch_one(at) }
@@ -354,36 +352,23 @@ impl Assembly<'_, '_> {
         steps.chunks(IN_GROUP).map(group).collect()
     }
 
-    /// The signs of both times in a variable.
-    fn signs_of(&self, name: &str) -> Expr {
-        self.numbers(BinaryOp::And, self.engine.value(name), self.set(SIGNS))
-    }
-
-    /// Events of an active step end, and time passes. `is_single`: it is the only one; else `signs` collects whether a time is negative.
-    fn pass(&self, step: usize, is_single: bool) -> Vec<Statement> {
+    /// Events of an active step end, and time passes.
+    fn pass(&self, step: usize) -> Vec<Statement> {
         let engine = self.engine;
         let span = engine.span;
         let raw = engine.raw(step);
         let value = |name: &str| engine.value(name);
-        let later = self.numbers(BinaryOp::Add, value("both"), value("step"));
         let signs = self.numbers(BinaryOp::Or, value("both"), value("later"));
-        let mut statements = vec![
+        let is_usual = compared(CompareOp::Equal, self.numbers(BinaryOp::And, signs, self.set(SIGNS)), 0);
+        let usual = assign(&raw.times, value("later"), span);
+        let mut one_by_one = engine.count_separately();
+        one_by_one.push(usual.clone());
+        vec![
             assign(&raw.events, number(0, Elementary::Byte, span), span),
             self.put("both", load(&raw.times, span)),
-            self.put("later", later),
-        ];
-        let usual = assign(&raw.times, value("later"), span);
-        if is_single {
-            let mut one_by_one = engine.count_separately();
-            one_by_one.push(usual.clone());
-            statements.push(self.put("signs", signs));
-            let is_usual = compared(CompareOp::Equal, self.signs_of("signs"), 0);
-            statements.push(if_then(is_usual, vec![usual], one_by_one, span));
-        } else {
-            statements.push(usual);
-            statements.push(self.put("signs", self.numbers(BinaryOp::Or, value("signs"), signs)));
-        }
-        statements
+            self.put("later", self.numbers(BinaryOp::Add, value("both"), value("step"))),
+            if_then(is_usual, vec![usual], one_by_one, span),
+        ]
     }
 
     fn flags(&self, at: usize, flags: u64) -> Statement {
@@ -442,7 +427,7 @@ impl Assembly<'_, '_> {
     /// Phases 3 to 9 of the only active step.
     fn quick_one(&self, step: usize) -> Vec<Statement> {
         let mut statements = vec![self.put("alone", self.place(step))];
-        statements.extend(self.pass(step, true));
+        statements.extend(self.pass(step));
         statements.extend(self.transitions(step, &|at| self.switch_single(step, at), None));
         statements
     }
@@ -474,15 +459,10 @@ impl Assembly<'_, '_> {
                 Some((step, own)) if own != 0 => (step, own),
                 _ => return statements,
             };
-            let together = match own.count_ones() {
-                1 => compared(CompareOp::Equal, self.active_of(own | 1 << step), own | 1 << step),
-                _ => {
-                    let (one, others) = (self.is_any_active(1 << step), self.is_any_active(own));
-                    binary_expr(BinaryOp::And, one, others, Elementary::Bool, span)
-                }
-            };
             let found = self.put("known", number(1, Elementary::Bool, span));
-            statements.push(if_then(together, vec![found], Vec::new(), span));
+            // Mostly one test is enough, which one AND would not be.
+            let are_others = if_then(self.is_any_active(own), vec![found], Vec::new(), span);
+            statements.push(if_then(self.is_any_active(1 << step), vec![are_others], Vec::new(), span));
             rivals[step] = 0;
             rivals.iter_mut().for_each(|others| *others &= !(1 << step));
         }
@@ -509,7 +489,7 @@ impl Assembly<'_, '_> {
             }
             statements
         };
-        let mut statements = self.pass(step, false);
+        let mut statements = self.pass(step);
         statements.extend(self.transitions(step, &fire, Some(self.actions_unless_joined(step))));
         statements
     }
@@ -523,12 +503,12 @@ impl Assembly<'_, '_> {
             |from: &[usize]| from.len() > 1 && from.contains(&step) && from.iter().any(|other| *other < step);
         let join = self.parts.from.iter().position(|from| is_joined(from));
         let Some(at) = join.filter(|_| !actions.is_empty()) else { return actions };
-        // Its flags are of this call only if all its steps are active.
+        // Its flags are of this call only if all its steps are active, which is asked last: mostly the flags are enough.
         let set = set_of(&self.parts.from[at]);
         let are_active = compared(CompareOp::Equal, self.active_of(set), set);
         let switches = compared(CompareOp::Equal, load(&engine.flags(at), engine.span), 3);
-        let is_left = binary_expr(BinaryOp::And, are_active, switches, Elementary::Bool, engine.span);
-        vec![if_then(is_left, Vec::new(), actions, engine.span)]
+        let unless_active = if_then(are_active, Vec::new(), actions.clone(), engine.span);
+        vec![if_then(switches, vec![unless_active], actions, engine.span)]
     }
 
     /// The only transition that switches, with several active steps. The list of active steps is made later.
