@@ -676,3 +676,41 @@ fn an_address_without_an_area_has_none_later() {
     let result = plcc_ir::print::module_text(&module);
     assert!(!result.contains("and v4, v3"), "{result}");
 }
+
+#[test]
+fn a_pointer_to_the_element_that_a_counter_names_gets_as_far_as_that() {
+    let text = |is_inside: &str, between: &str| {
+        format!(
+            "func @F -> i32 {{
+            b0(v0: i16):
+            v1 = const.i16 1
+            v2 = slt v0, v1
+            v3 = const.i16 15
+            v4 = sgt v0, v3
+            v5 = or v2, v4
+            v6 = sext.i32 v0
+            v7 = const.i32 4
+            v8 = shl v6, v7
+            branch v5, b3, b1(v8, v0)
+            b1(v9: i32, v10: i16):
+            v11 = const.i32 256
+            v12 = {is_inside}
+            v13 = const.i16 65535
+            v14 = iadd v10, v13
+            v15 = const.i32 {between}
+            v16 = iadd v9, v15
+            v17 = const.i16 0
+            v18 = sgt v14, v17
+            branch v12, b2, b3
+            b2:
+            branch v18, b1(v16, v14), b3
+            b3:
+            v19 = const.i32 1
+            ret v19
+            }}"
+        )
+    };
+    check_pass("ranges", &text("ult v9, v11", "4294967280"), &text("const.i1 1", "4294967280"));
+    // Steps that do not go with the beginning: the pointer gets to -7 * 16.
+    check_pass("ranges", &text("ult v9, v11", "4294967272"), &text("ult v9, v11", "4294967272"));
+}

@@ -2,13 +2,17 @@
 
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, InstData, Value};
+use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, InstData, Type, Value};
 
 use super::{ADDRESS_MASK, Ranges};
 use crate::ranges::interval::{self, Interval};
 
 /// Steps back from what a jump back brings to the parameter; more are not worth the time.
 const BUDGET: u32 = 64;
+/// Steps back from what a loop begins with.
+const SUM_MAX: usize = 8;
+/// Parameters of a loop that are compared with each other.
+const COUNTERS_MAX: usize = 12;
 
 impl<'f> Ranges<'f> {
     /// Parameters of a loop that all change by a constant, or by an amount of a known range, with each pass count along with each other:
@@ -31,17 +35,122 @@ impl<'f> Ranges<'f> {
             };
             let steps: Vec<Option<(Step, bool)>> = params.iter().enumerate().map(step).collect();
             let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?.0)).min();
+            self.limit_by_each_other(header, &steps);
             let Some(passes) = passes else { continue };
             self.passes.insert(header, passes);
             for (&param, step) in params.iter().zip(&steps) {
                 let (Some((step, nested)), Some(first)) = (*step, self.first(header, param)) else { continue };
                 if let Some(limit) = reach(first, step, passes) {
-                    self.limits.insert(param, limit);
+                    self.limit(param, limit);
                     is_nested |= nested;
                 }
             }
         }
         is_nested
+    }
+
+    /// A parameter that begins as so many times another one plus a constant, and changes by so many times its step, stays that: the pointer to
+    /// the element that a counter names. So it gets no further than the other one says, wherever that begins.
+    fn limit_by_each_other(&mut self, header: Block, steps: &[Option<(Step, bool)>]) {
+        let params = &self.function.blocks[header].params;
+        let counter = |(index, step): (usize, &Option<(Step, bool)>)| {
+            let (step, _) = (*step)?;
+            Some((index, step, step.constant()?))
+        };
+        let counters: Vec<(usize, Step, i64)> =
+            steps.iter().enumerate().filter_map(counter).take(COUNTERS_MAX).collect();
+        for &(index, step, by) in &counters {
+            for &(other, other_step, other_by) in counters.iter().filter(|(other, ..)| *other != index) {
+                let range = self.values[params[other].index()].filter(|&range| other_step.keeps(range));
+                let times = by.checked_div(other_by).filter(|times| times.checked_mul(other_by) == Some(by));
+                let (Some(range), Some(times)) = (range, times) else { continue };
+                let Some(plus) = self.difference_at_first(header, [index, other], times) else { continue };
+                let ends = [range.lo, range.hi].map(|end| end.checked_mul(times)?.checked_add(plus));
+                let [Some(a), Some(b)] = ends else { continue };
+                let zeros = times.trailing_zeros().min(if plus == 0 { 63 } else { plus.trailing_zeros() });
+                let limit = Interval { lo: a.min(b), hi: a.max(b), zeros };
+                if step.fits.lo <= limit.lo && limit.hi <= step.fits.hi {
+                    self.limit(params[index], limit);
+                }
+            }
+        }
+    }
+
+    /// What all jumps from before the loop bring for the first parameter, minus so many times what they bring for the second one.
+    fn difference_at_first(&self, header: Block, [index, other]: [usize; 2], times: i64) -> Option<i64> {
+        let place = self.cfg.rpo_index(header);
+        let mut difference: Option<i64> = None;
+        for &pred in self.cfg.predecessors(header).iter().filter(|&&pred| self.cfg.rpo_index(pred) < place) {
+            let inst = self.function.terminator(pred)?;
+            for call in self.function.insts[inst].targets().into_iter().filter(|call| call.block == header) {
+                let (first, second) = (self.sum(call.args[index])?, self.sum(call.args[other])?);
+                if first.of != second.of || first.times != second.times.checked_mul(times)? {
+                    return None;
+                }
+                let found = first.plus.checked_sub(second.plus.checked_mul(times)?)?;
+                if difference.is_some_and(|known| known != found) {
+                    return None;
+                }
+                difference = Some(found);
+            }
+        }
+        difference
+    }
+
+    /// What a value is made of, where nothing on the way wraps.
+    fn sum(&self, value: Value) -> Option<Sum> {
+        let (mut times, mut plus) = (1i64, 0i64);
+        let mut at = self.function.resolve(value);
+        for _ in 0..SUM_MAX {
+            if let Some(constant) = self.constant(at) {
+                return Some(Sum { of: None, times: 0, plus: plus.checked_add(constant.checked_mul(times)?)? });
+            }
+            let from = match self.function.defining(at) {
+                Some(&InstData::Binary { op, args: [a, b] }) if self.constant(b).is_some() => {
+                    let (constant, range) = (self.constant(b)?, self.anywhere(a)?);
+                    let (factor, added) = match op {
+                        BinaryOp::Iadd => (1, constant),
+                        BinaryOp::Isub => (1, constant.checked_neg()?),
+                        BinaryOp::Imul => (constant, 0),
+                        BinaryOp::Shl if (0..32).contains(&constant) => (1 << constant, 0),
+                        _ => break,
+                    };
+                    let full = Interval::full(self.function.ty(at));
+                    let fits = [range.lo, range.hi].into_iter().all(|end| {
+                        let exact = end.checked_mul(factor).and_then(|end| end.checked_add(added));
+                        exact.is_some_and(|exact| (full.lo..=full.hi).contains(&exact))
+                    });
+                    if !fits {
+                        break;
+                    }
+                    plus = plus.checked_add(added.checked_mul(times)?)?;
+                    times = times.checked_mul(factor)?;
+                    a
+                }
+                Some(&InstData::Convert { op: ConvertOp::Sext, arg }) if self.function.ty(arg) != Type::I1 => arg,
+                Some(&InstData::Convert { op: ConvertOp::Zext, arg }) if self.function.ty(arg) != Type::I1 => {
+                    if !self.anywhere(arg)?.is_natural() {
+                        return Some(Sum { of: Some((self.function.resolve(arg), false)), times, plus });
+                    }
+                    arg
+                }
+                Some(&InstData::Convert { op: ConvertOp::Trunc, arg })
+                    if self.function.ty(at) != Type::I1
+                        && Interval::full(self.function.ty(at)).contains(self.anywhere(arg)?) =>
+                {
+                    arg
+                }
+                _ => break,
+            };
+            at = self.function.resolve(from);
+        }
+        Some(Sum { of: Some((at, true)), times, plus })
+    }
+
+    /// A parameter gets no further than this.
+    fn limit(&mut self, param: Value, limit: Interval) {
+        let both = self.limits.get(&param).and_then(|known| known.meet(limit));
+        self.limits.insert(param, both.unwrap_or(limit));
     }
 
     /// The bits above the address that a parameter has in the first pass: an address register keeps its area.
@@ -211,7 +320,7 @@ impl<'f> Ranges<'f> {
     /// How often the loop of a parameter that changes by `step` begins a pass at most; `None`: it may wrap.
     fn passes(&self, param: Value, step: Step) -> Option<i64> {
         let range = self.values[param.index()]?;
-        let by = (step.lo == step.hi && step.lo != 0).then_some(step.lo)?;
+        let by = step.constant()?;
         step.keeps(range).then(|| (range.hi - range.lo) / by.abs() + 1)
     }
 
@@ -229,6 +338,14 @@ impl<'f> Ranges<'f> {
         }
         first
     }
+}
+
+/// So many times a value, plus a constant; of a constant only that.
+struct Sum {
+    /// The value, and whether its sign counts.
+    of: Option<(Value, bool)>,
+    times: i64,
+    plus: i64,
 }
 
 /// The way back from what a jump back brings to the parameter of a loop.
@@ -256,6 +373,11 @@ struct Step {
 impl Step {
     fn none(fits: Interval) -> Step {
         Step { lo: 0, hi: 0, zeros: 63, fits }
+    }
+
+    /// The number by which the parameter changes in each pass, if it is always the same.
+    fn constant(self) -> Option<i64> {
+        (self.lo == self.hi && self.lo != 0).then_some(self.lo)
     }
 
     /// This step and one by a constant, of which only the sum counts.
