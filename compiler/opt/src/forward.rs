@@ -13,6 +13,8 @@
 //!
 //! A load of bytes that several stores wrote is put together from their values: a processor would wait for all of them.
 //!
+//! A copy takes what is known of its source along: the parts of an ANY that a block looks at in a variable of its own.
+//!
 //! A store invalidates the ranges that it may overlap: in the same region and with the same base the real overlaps; with another
 //! base everything in the region and in those that may alias it. A call makes everything unknown, except a private frame
 //! (see `frames`) that the callee does not touch.
@@ -234,8 +236,8 @@ impl Forward<'_> {
                 self.store(&Access::bit(addr, *bit), *value)
             }
             InstData::Clear { addr, len } => self.clear(addr, *len),
-            InstData::Copy { to, len, .. } => {
-                self.known.forget(&Access::bytes(to, *len));
+            InstData::Copy { to, from, len } => {
+                self.known.copy(&Access::bytes(to, *len), &Access::bytes(from, *len));
                 Step::Keep
             }
             InstData::DbBase { number } => self.db_entry(inst, *number, false),

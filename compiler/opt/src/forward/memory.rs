@@ -6,7 +6,7 @@ use plcc_ir::{Function, Region, RuntimeFn, Value};
 use rustc_hash::FxHashMap;
 
 use crate::effects::Effects;
-use crate::extents::{Access, Extents};
+use crate::extents::{Access, Extent, Extents};
 
 /// Ranges that are known for one base; more are forgotten.
 const RANGES_MAX: usize = 256;
@@ -96,6 +96,29 @@ impl Memory {
             extents.clear();
         }
         extents.fill(access.start, access.end, content);
+    }
+
+    /// The bytes of `from` are copied to `to`: what was known of them is known of the copy.
+    pub(super) fn copy(&mut self, to: &Access, from: &Access) {
+        let known = self.find(from).filter(|_| !to.region.is_host_order() && !from.region.is_host_order());
+        // A value that began before what is copied may begin before all of the memory that `to` is in.
+        let moved = |at: u64| (at + to.start).checked_sub(from.start);
+        let of_copy = |item: &Extent<Content>| {
+            let known = match item.known {
+                Content::Value { value, start, end, .. } => {
+                    Content::Value { value, start: moved(start)?, end: moved(end)?, stored: true }
+                }
+                Content::Zero => Content::Zero,
+            };
+            let (start, end) = (item.start.max(from.start), item.end.min(from.end));
+            Some(Extent { start: moved(start)?, end: moved(end)?, known })
+        };
+        let copied: Vec<Extent<Content>> =
+            known.map(|known| known.iter_in(from.start, from.end).filter_map(of_copy).collect()).unwrap_or_default();
+        self.forget(to);
+        for Extent { start, end, known } in copied {
+            self.fill(&Access { start, end, ..*to }, known);
+        }
     }
 
     /// Forgets the facts that a write to `access` may change.

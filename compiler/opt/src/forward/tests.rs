@@ -149,3 +149,25 @@ fn bits_are_read_with_their_word_or_byte() {
          v13, v12\nstore.bit M 4.0, v13\nstore.bit M 8.3, v14\nv15 = const.i8 4\nv16 = lshr v9, v15\nv17 = trunc.i1 v16\nstore.bit Q 0.0, v17\nret v0",
     );
 }
+
+#[test]
+fn a_copy_takes_along_what_is_known() {
+    check(
+        "store.i32 M 0, v0\nstore.bit M 4.1, v1\ncopy M 12, M 0, 8\nv2 = load.i32 M 12\nv3 = load.i16 M 14\nv4 = load.bit M 16.1\nv5 = load.i8 \
+         M 17\nstore.i32 Q 0, v2\nstore.i16 Q 4, v3\nstore.bit Q 6.0, v4\nret v0",
+        "store.i32 M 0, v0\nstore.bit M 4.1, v1\ncopy M 12, M 0, 8\nv2 = trunc.i16 v0\nv3 = load.i8 M 17\nstore.i32 Q 0, v0\nstore.i16 Q 4, \
+         v2\nstore.bit Q 6.0, v1\nret v0",
+    );
+    // The source as it was before, though the copy overwrites a part of it.
+    check(
+        "store.i32 M 4, v0\nclear M 8, 4\ncopy M 6, M 4, 8\nv2 = load.i32 M 6\nv3 = load.i32 M 10\nv4 = load.i16 M 4\nstore.i32 Q 0, \
+         v2\nstore.i32 Q 4, v3\nstore.i16 Q 8, v4\nret v0",
+        "store.i32 M 4, v0\nclear M 8, 4\ncopy M 6, M 4, 8\nv2 = const.i32 0\nv3 = const.i32 16\nv4 = lshr v0, v3\nv5 = trunc.i16 v4\n\
+         store.i32 Q 0, v0\nstore.i32 Q 4, v2\nstore.i16 Q 8, v5\nret v0",
+    );
+    // A part of a value whose beginning is not copied.
+    check(
+        "store.i32 M 8, v0\ncopy Q 0, M 10, 4\nv2 = load.i16 Q 0\nstore.i16 L 0, v2\ncopy Q 8, M 10, 4\nv3 = load.i16 Q 8\nstore.i16 L 2, v3\nret v0",
+        "store.i32 M 8, v0\ncopy Q 0, M 10, 4\nv2 = load.i16 Q 0\nstore.i16 L 0, v2\ncopy Q 8, M 10, 4\nv3 = trunc.i16 v0\nstore.i16 L 2, v3\nret v0",
+    );
+}
