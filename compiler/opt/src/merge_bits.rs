@@ -163,6 +163,8 @@ struct Piece {
     distance: i32,
     /// The bits, where they go to.
     mask: u64,
+    /// The first of them.
+    first: Value,
 }
 
 /// What a group has collected.
@@ -178,10 +180,10 @@ struct Collected {
 }
 
 impl Collected {
-    fn add(&mut self, from: Value, distance: i32, bit: u64) {
+    fn add(&mut self, from: Value, distance: i32, bit: u64, first: Value) {
         match self.pieces.iter_mut().find(|piece| (piece.from, piece.distance) == (from, distance)) {
             Some(piece) => piece.mask |= bit,
-            None => self.pieces.push(Piece { from, distance, mask: bit }),
+            None => self.pieces.push(Piece { from, distance, mask: bit, first }),
         }
     }
 }
@@ -229,8 +231,8 @@ const LOADED_MAX: usize = 8;
 /// Instructions after a load in which it is not made again: later it would rather go to the stack and come back.
 const NEAR: usize = 24;
 
-/// The value of which an i1 is a bit, and its number there, if that is a byte or word of up to `bits` bits.
-fn bit_of(function: &Function, value: Value, bits: u32) -> Option<(Value, u32)> {
+/// The value of which an i1 is a bit, and its number there.
+fn bit_of(function: &Function, value: Value) -> Option<(Value, u32)> {
     let &InstData::Convert { op: ConvertOp::Trunc, arg } = function.defining(value)? else { return None };
     let (from, number) = match function.defining(arg) {
         Some(&InstData::Binary { op: BinaryOp::Lshr, args: [x, count] }) => match function.constant(count) {
@@ -239,7 +241,7 @@ fn bit_of(function: &Function, value: Value, bits: u32) -> Option<(Value, u32)> 
         },
         _ => (arg, 0),
     };
-    (function.ty(from).bits() <= bits).then(|| (function.resolve(from), number))
+    Some((function.resolve(from), number))
 }
 
 /// True if an access may touch memory of a load.
@@ -305,14 +307,10 @@ impl Out<'_> {
         collected.mask |= 1 << number;
         match self.function.constant(value) {
             Some(bits) => collected.ones |= bits << number,
-            None => match bit_of(self.function, value, ty.bits()) {
-                Some((from, bit)) => collected.add(from, number as i32 - bit as i32, 1 << number),
+            None => match bit_of(self.function, value) {
+                Some((from, bit)) => collected.add(from, number as i32 - bit as i32, 1 << number, value),
                 None => {
-                    let mut placed = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: value }, ty);
-                    if number > 0 {
-                        let count = self.constant(u64::from(number), ty);
-                        placed = self.binary(BinaryOp::Shl, [placed, count], ty);
-                    }
+                    let placed = self.placed_bit(value, number, ty);
                     collected.bits = Some(match collected.bits {
                         Some(bits) => self.binary(BinaryOp::Or, [bits, placed], ty),
                         None => placed,
@@ -322,17 +320,39 @@ impl Out<'_> {
         }
     }
 
+    /// A bit in its place; all others are 0.
+    fn placed_bit(&mut self, bit: Value, number: u32, ty: Type) -> Value {
+        let bit = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: bit }, ty);
+        self.shifted(bit, number as i32)
+    }
+
+    fn shifted(&mut self, value: Value, distance: i32) -> Value {
+        if distance == 0 {
+            return value;
+        }
+        let ty = self.function.ty(value);
+        let op = if distance > 0 { BinaryOp::Shl } else { BinaryOp::Lshr };
+        let count = self.constant(u64::from(distance.unsigned_abs()), ty);
+        self.binary(op, [value, count], ty)
+    }
+
     /// The bits of a piece, in place; all others are 0.
     fn placed(&mut self, piece: Piece, ty: Type) -> Value {
+        let from = self.function.ty(piece.from);
+        let is_wider = from.bits() > ty.bits();
+        if is_wider && piece.mask.is_power_of_two() {
+            // It was taken out of the word anyway, for whatever else it is used.
+            return self.placed_bit(piece.first, piece.mask.trailing_zeros(), ty);
+        }
         let mut bits = piece.from;
-        if self.function.ty(bits) != ty {
-            bits = self.emit(InstData::Convert { op: ConvertOp::Zext, arg: bits }, ty);
+        let (before, after) =
+            if is_wider { (piece.distance.min(0), piece.distance.max(0)) } else { (0, piece.distance) };
+        bits = self.shifted(bits, before);
+        if from != ty {
+            let op = if is_wider { ConvertOp::Trunc } else { ConvertOp::Zext };
+            bits = self.emit(InstData::Convert { op, arg: bits }, ty);
         }
-        if piece.distance != 0 {
-            let op = if piece.distance > 0 { BinaryOp::Shl } else { BinaryOp::Lshr };
-            let count = self.constant(u64::from(piece.distance.unsigned_abs()), ty);
-            bits = self.binary(op, [bits, count], ty);
-        }
+        bits = self.shifted(bits, after);
         let mask = self.constant(piece.mask, ty);
         self.binary(BinaryOp::And, [bits, mask], ty)
     }
@@ -446,6 +466,26 @@ mod tests {
              v7\nv9 = trunc.i1 v8\nv10 = load.i8 Q 4\nv11 = const.i8 248\nv12 = and v10, v11\nv13 = const.i8 3\nv14 = and v2, \
              v13\nv15 = const.i8 4\nv16 = lshr v2, v15\nv17 = const.i8 4\nv18 = and v16, v17\nv19 = or v12, v14\nv20 = or v19, \
              v18\nstore.i8 Q 4, v20\nret v0",
+        );
+    }
+
+    #[test]
+    fn bits_of_a_word_move_together_into_a_byte() {
+        let bits = "v2 = const.i32 24\nv3 = lshr v0, v2\nv4 = trunc.i1 v3\nv5 = const.i32 25\nv6 = lshr v0, v5\nv7 = trunc.i1 v6\n";
+        check(
+            &format!("{bits}store.bit Q 4.0, v4\nstore.bit Q 4.1, v7\nret v0"),
+            &format!(
+                "{bits}v8 = load.i8 Q 4\nv9 = const.i8 252\nv10 = and v8, v9\nv11 = const.i32 24\nv12 = lshr v0, v11\nv13 = trunc.i8 \
+                 v12\nv14 = const.i8 3\nv15 = and v13, v14\nv16 = or v10, v15\nstore.i8 Q 4, v16\nret v0"
+            ),
+        );
+        // One at a time: what was taken out is used.
+        check(
+            &format!("{bits}store.bit Q 4.1, v4\nstore.bit Q 4.0, v7\nret v0"),
+            &format!(
+                "{bits}v8 = load.i8 Q 4\nv9 = const.i8 252\nv10 = and v8, v9\nv11 = zext.i8 v4\nv12 = const.i8 1\nv13 = shl v11, v12\nv14 = \
+                 zext.i8 v7\nv15 = or v10, v13\nv16 = or v15, v14\nstore.i8 Q 4, v16\nret v0"
+            ),
         );
     }
 
