@@ -10,7 +10,12 @@ use crate::cpu::Cpu;
 
 /// Whether `bytes` bytes from `address` on are in the area in which they begin.
 pub(super) fn inside(cpu: &Cpu, address: u32, bytes: u32) -> bool {
-    cpu.s7200_area(address).is_some_and(|(_, end)| bytes <= end.saturating_sub(address))
+    bytes <= room(cpu, address)
+}
+
+/// Bytes from `address` to the end of the area in which it is; 0: it is in none.
+pub(super) fn room(cpu: &Cpu, address: u32) -> u32 {
+    cpu.s7200_area(address).map_or(0, |(_, end)| end.saturating_sub(address))
 }
 
 /// Before bytes are read: updates the analog inputs and timers among them. Timers also before they are written: what has

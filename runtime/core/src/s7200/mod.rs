@@ -202,8 +202,11 @@ impl Cpu {
     pub(crate) fn s7200_area(&self, address: u32) -> Option<(u32, u32)> {
         let cpu = self.s7200()?.image.cpu;
         let (v, v_bytes) = self.memory.db(plcc_abi::s7200::V_DB);
+        // Nearly all operands are there.
+        if address >= v && address - v < v_bytes {
+            return Some((v, v + v_bytes));
+        }
         let areas = [
-            (v, v_bytes),
             (layout::I, self.image.profile.inputs),
             (layout::Q, self.image.profile.outputs),
             (layout::M, self.image.profile.bit_memory),

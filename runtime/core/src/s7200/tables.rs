@@ -10,24 +10,25 @@ use crate::cpu::Cpu;
 /// Entries that a table may have.
 const ENTRIES_MAX: u32 = 100;
 
-/// The count of entries of the table whose count word is at `count_word`; `None`: the table is not in its area.
-fn entries(cpu: &Cpu, count_word: u32) -> Option<u32> {
-    if !access::inside(cpu, count_word, 2) {
+/// The count of entries of the table whose count word is at `count_word`; `None`: the table is not in the `room` bytes from there.
+fn entries(cpu: &Cpu, count_word: u32, room: u32) -> Option<u32> {
+    if room < 2 {
         return None;
     }
     let count = u32::from(cpu.memory.word(count_word));
-    (count <= ENTRIES_MAX && access::inside(cpu, count_word, 2 + 2 * count)).then_some(count)
+    (count <= ENTRIES_MAX && 2 + 2 * count <= room).then_some(count)
 }
 
 /// A full table sets SM1.4 and does not change.
 pub(super) fn add(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: entry, b: table, .. } = operands;
-    if !access::inside(cpu, table, 4) {
+    let room = access::room(cpu, table);
+    if room < 4 {
         return failed(cpu, operands, error::RANGE);
     }
     let (length, count) = (u32::from(cpu.memory.word(table)), u32::from(cpu.memory.word(table + 2)));
     let full = count >= length.min(ENTRIES_MAX);
-    if !full && !access::inside(cpu, table, 4 + 2 * (count + 1)) {
+    if !full && room < 4 + 2 * (count + 1) {
         return failed(cpu, operands, error::RANGE);
     }
     set_special(&cpu.memory, 1, sm1::TABLE_FULL, full);
@@ -52,7 +53,8 @@ pub(super) fn last(cpu: &Cpu, operands: &Operands) -> u64 {
 /// Takes out the first or last entry. An empty table sets SM1.5. The place that becomes free keeps its word.
 fn take(cpu: &Cpu, operands: &Operands, first: bool) -> u64 {
     let (table, memory) = (operands.a, &cpu.memory);
-    let Some(count) = access::inside(cpu, table, 4).then(|| entries(cpu, table + 2)).flatten() else {
+    let room = access::room(cpu, table);
+    let Some(count) = (room >= 4).then(|| entries(cpu, table + 2, room - 2)).flatten() else {
         return failed(cpu, operands, error::RANGE);
     };
     set_special(memory, 1, sm1::TABLE_EMPTY, count == 0);
@@ -70,7 +72,9 @@ fn take(cpu: &Cpu, operands: &Operands, first: bool) -> u64 {
 /// Without a match the new index is the count of entries.
 pub(super) fn find(cpu: &Cpu, operands: &Operands) -> u64 {
     let &Operands { a: count_word, b: pattern, c: index, d: relation, .. } = operands;
-    let Some(count) = entries(cpu, count_word) else { return failed(cpu, operands, error::RANGE) };
+    let Some(count) = entries(cpu, count_word, access::room(cpu, count_word)) else {
+        return failed(cpu, operands, error::RANGE);
+    };
     let pattern = pattern as u16 as i16;
     let matches = |&index: &u32| {
         let entry = cpu.memory.word(count_word + 2 + 2 * index) as i16;
