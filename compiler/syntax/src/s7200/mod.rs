@@ -83,7 +83,7 @@ pub fn parse_constant(text: &str) -> Option<ast::Constant> {
         return constant::text(inner).ok().map(Constant::Characters);
     }
     let digits = text.strip_prefix('+').unwrap_or(text);
-    if let Ok((value, width)) = constant::based(digits) {
+    if let Ok((value, width)) = constant::based(digits, None) {
         return Some(Constant::Bits { value, width });
     }
     constant::integer(digits).map(Constant::Integer).or_else(|_| constant::real(digits).map(Constant::Real)).ok()
