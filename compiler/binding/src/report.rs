@@ -133,6 +133,9 @@ impl Report {
             if is_duration(name) {
                 return message.help(format!("a time is written `T#{name}`, without quotes"));
             }
+            if let Some(time) = time_without_sign(name).filter(|_| !quoted && meant.is_none()) {
+                return message.help(format!("if a time is meant, write `{time}`"));
+            }
             if let Some(help) = of_the_portal(name) {
                 return message.help(help);
             }
@@ -419,6 +422,15 @@ fn of_the_portal(name: &str) -> Option<String> {
 fn is_duration(name: &str) -> bool {
     let reads = || duration::nanoseconds(name, Smallest::Millisecond, Fraction::Last).is_ok();
     name.starts_with(|c: char| c.is_ascii_digit()) && reads()
+}
+
+/// `S5T#10S` for `S5T10S`.
+fn time_without_sign(name: &str) -> Option<String> {
+    ["S5TIME", "S5T", "TIME", "T"].into_iter().find_map(|ty| {
+        let (start, time) = name.split_at_checked(ty.len())?;
+        let time = time.trim_start_matches('_');
+        (start.eq_ignore_ascii_case(ty) && is_duration(time)).then(|| format!("{ty}#{time}"))
+    })
 }
 
 /// `I0`, which is a byte or a bit without its number. `areas`: the letters of areas with bits.

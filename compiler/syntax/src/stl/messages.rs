@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use crate::front::{ParseState, Place};
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{Mnemonics, mnemonics, start_values};
+use crate::stl::{Mnemonics, mnemonics, start_values, suggest};
 
 /// State of a parse of STL, with the mnemonic set of the file.
 pub type State<'a> = ParseState<'a, Tok<'a>, Mnemonics>;
@@ -79,6 +79,16 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
     };
     match (before_token, token, next.map(|(_, token, _)| token)) {
         (Tok::Name(name), Tok::Literal(_), _) => {
+            let number = state.text.get(*before_end..*end)?;
+            if let Some(address) = suggest::address(name, number.trim(), state.rules) {
+                return told(
+                    Code::ForeignForm,
+                    *b_start..*end,
+                    format!("`{whole}` is not an address of STL"),
+                    "an address begins with the letters of its area",
+                    format!("write `{address}`"),
+                );
+            }
             let letters = mnemonics::Upper::new(name);
             let own = match (letters.as_str(), state.rules) {
                 ("C", Mnemonics::De) => "Z".to_owned(),
@@ -88,7 +98,6 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
                     mnemonics::letters(area, width, state.rules)?
                 }
             };
-            let number = &state.text[b_start + name.len()..*end];
             let (own_set, other_set) = (set_name(state.rules), set_name(mnemonics::other(state.rules)));
             told(
                 Code::MixedMnemonics,

@@ -111,6 +111,37 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("DTI", "a DINT from -32768 to 32767 has its INT in the low word already: remove this, and test the range before"),
 ];
 
+/// Words that users write for the area of an address, with its letter in the international and the German mnemonics.
+const AREA_WORDS: &[(&str, &str, &str)] = &[
+    ("TIMER", "T", "T"),
+    ("COUNTER", "C", "Z"),
+    ("ZAEHLER", "C", "Z"),
+    ("INPUT", "I", "E"),
+    ("PI", "I", "E"),
+    ("EINGANG", "I", "E"),
+    ("OUTPUT", "Q", "A"),
+    ("PQ", "Q", "A"),
+    ("AUSGANG", "Q", "A"),
+    ("MEMORY", "M", "M"),
+    ("MEM", "M", "M"),
+    ("MARKER", "M", "M"),
+    ("MERKER", "M", "M"),
+    ("FLAG", "M", "M"),
+];
+
+/// What is meant by the name of an area and a number: `T 5` for `TIMER 5`, `I 0.1` for `INPUT 0.1`.
+pub fn address(word: &str, number: &str, set: Mnemonics) -> Option<String> {
+    let (_, english, german) = AREA_WORDS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(word))?;
+    let is_cell = matches!(*english, "T" | "C");
+    let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+    let fits = match number.split_once('.') {
+        Some((byte, bit)) => !is_cell && is_number(byte) && matches!(bit.as_bytes(), [b'0'..=b'7']),
+        None => is_cell && is_number(number),
+    };
+    let letter = if set == Mnemonics::De { german } else { english };
+    fits.then(|| format!("{letter} {number}"))
+}
+
 /// Whether a hint for exactly this word is known (upper case).
 pub fn is_known(word: &str) -> bool {
     KNOWN_SLIPS.iter().any(|(slip, _)| *slip == word)
