@@ -103,6 +103,9 @@ const QUICK: &[(&str, &str)] = &[
     ("empty", "off"),
     ("timed", "register"),
     ("swapped", "previous"),
+    ("ready", "next"),
+    ("forward", "t_next"),
+    ("events", "take"),
     ("first", "j"),
     ("other", "elapsed"),
 ];
@@ -198,6 +201,7 @@ impl<'c> Engine<'c> {
         // STARTED and the other bits follow the last seen values.
         names.insert("NOTES", typed(&names["STARTED"], 0, DataType::Elementary(Elementary::Byte)));
         names.insert("MODES", typed(&names["OLD"], 0, DataType::Elementary(Elementary::Lword)));
+        names.insert("MOPS", typed(&names["MOPEDGE"], 0, DataType::Elementary(Elementary::Lword)));
         let word = |word| Some(typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)));
         let active = Set((0..words(steps.len()) as u32).map(word).collect());
         names.insert("G7S", list(steps.first()?, steps.len(), steps[0].ty.clone()));

@@ -329,6 +329,10 @@ impl ChartBinder<'_, '_> {
             own_end,
             quick,
         };
+        let has_before = !parts.before.is_empty();
+        let has_edges =
+            |one: &&Parameter| matches!(one.effect, Effect::Set(_) | Effect::Toggle(_)) && declared(one.name);
+        let only_init = PARAMETERS.iter().filter(has_edges).map(|one| one.name).eq(["INIT_SQ"]);
         let meaning = |name: &str| -> Meaning {
             match name {
                 "has_monitoring" => Meaning::Bool(features.monitoring),
@@ -347,6 +351,9 @@ impl ChartBinder<'_, '_> {
                 "short" if !features.alone => Meaning::Bool(false),
                 "done" if !features.alone || features.quick => Meaning::Bool(false),
                 "ended" if !features.own_end || features.quick => Meaning::Bool(false),
+                "has_before" => Meaning::Bool(has_before),
+                "has_more_inputs" => Meaning::Bool(!only_init),
+                "has_usual_modes" => Meaning::Bool(quick::has_usual_modes(&chart.settings)),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),

@@ -11,6 +11,7 @@
 use std::ops::Range;
 
 use plcc_syntax::Elementary;
+use plcc_syntax::chart::ast::Settings;
 use rustc_hash::FxHashMap;
 
 use super::alone::{IsShared, is_copyable, is_tame};
@@ -18,6 +19,7 @@ use super::assemble::{Assembly, Parts};
 use super::build::{assign, if_then, load, number};
 use super::engine_data::{Engine, SIGNS, compared};
 use crate::bind::scl::expression::binary_expr;
+use crate::bind::trees::chart_data::usual_modes;
 use plcc_model::Place;
 use plcc_model::layout;
 use plcc_model::scl::walk::{self, Role, Visitor};
@@ -50,6 +52,11 @@ pub fn is_possible(engine: &Engine, parts: &Parts, several: bool, is_shared: &Is
             let uses = Uses::of(engine, parts, is_shared);
             !uses.sees_others && uses.can_be_repeated()
         })
+}
+
+/// True if the modes that a chart begins with are ordinary ones, as `quick.scl` asks for them.
+pub fn has_usual_modes(settings: &Settings) -> bool {
+    usual_modes(settings) & 0x0FC8_0F60 == 0x0100_0200
 }
 
 /// Counts statements, also those inside others.
@@ -252,10 +259,13 @@ impl Assembly<'_, '_> {
         let engine = self.engine;
         let span = engine.span;
         let steps: Vec<usize> = (0..engine.chart.steps.len()).collect();
+        self.usual_holes(holes);
         holes.insert("take_active", vec![self.put("mask", load(engine.active_word(), span))]);
         let one_less = self.numbers(BinaryOp::Subtract, engine.value("mask"), self.set(1));
         let rest = self.numbers(BinaryOp::And, engine.value("mask"), one_less);
         holes.insert("is_single", vec![self.put("single", compared(CompareOp::Equal, rest, 0))]);
+        let signs = self.numbers(BinaryOp::And, engine.value("step"), self.set(SIGNS));
+        holes.insert("is_forward", vec![self.put("forward", compared(CompareOp::Equal, signs, 0))]);
         holes.insert("quick_one", self.one_of(&steps, &|step| self.quick_one(step)));
         let end = |step: usize| {
             let events = assign(&engine.raw(step).events, number(0, Elementary::Byte, span), span);
@@ -297,6 +307,26 @@ impl Assembly<'_, '_> {
         let bit = self.numbers(BinaryOp::ShiftLeft, self.set(1), place);
         let stays = self.numbers(BinaryOp::And, engine.value("rest"), bit);
         holes.insert("stays", vec![self.put("known", compared(CompareOp::NotEqual, stays, 0))]);
+    }
+
+    /// Whether nobody has changed the modes: MOP, OLD and the bits that follow it are what they were at the beginning, as one number each.
+    fn usual_holes(&self, holes: &mut FxHashMap<&'static str, Vec<Statement>>) {
+        /// OLD with STARTED, REQUESTED, ALL_WERE and EVENTFUL; what these are in an ordinary call, and what EVENTFUL adds.
+        const ASKED: u64 = 0xFFFF_FFFF_1B00_0000;
+        const CALM: u64 = 0x0100_0000;
+        const EVENTFUL: u64 = 0x1000_0000;
+        let engine = self.engine;
+        let usual = u64::from(usual_modes(&engine.chart.settings));
+        let is = |name: &str, value: u64| compared(CompareOp::Equal, engine.value(name), value);
+        holes.insert("modes_are_usual", vec![self.put("known", is("MOP_D", usual))]);
+        holes.insert("modes_and_edges_are_usual", vec![self.put("known", is("MOPS", usual))]);
+        let noted = |bits: u64| {
+            let mask = number(ASKED, Elementary::Lword, engine.span);
+            let asked = binary_expr(BinaryOp::And, engine.value("MODES"), mask, Elementary::Lword, engine.span);
+            compared(CompareOp::Equal, asked, usual << 32 | bits)
+        };
+        holes.insert("is_calm", vec![self.put("known", noted(CALM))]);
+        holes.insert("is_eventful", vec![self.put("known", noted(CALM | EVENTFUL))]);
     }
 
     fn put(&self, name: &str, value: Expr) -> Statement {

@@ -4,7 +4,7 @@
 use plcc_diag::Span;
 use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::{self, InitialKind, InitialValue, Section, SectionKind, TypeKind, TypeRef, Variable};
-use plcc_syntax::chart::ast::{Body as Chart, Dialect, StepData};
+use plcc_syntax::chart::ast::{Body as Chart, Dialect, Settings, StepData};
 use plcc_syntax::chart::parameters::{self, OPERATING_BITS};
 use plcc_syntax::scl;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal};
@@ -136,12 +136,7 @@ fn engine_data(chart: &Chart) -> String {
         let bit = |name: &&str| format!("{name} : BOOL{};", if initial(name) { " := TRUE" } else { "" });
         OPERATING_BITS.iter().map(bit).collect()
     };
-    let start = |name: &str| match name {
-        "ACKREQ" => settings.acknowledge.unwrap_or(true),
-        "SSKIP" => settings.skip_steps.unwrap_or(false),
-        "ILP_MAN" => settings.manual_interlocks.unwrap_or(false),
-        _ => START_VALUES.contains(&name),
-    };
+    let start = |name: &str| start_value(settings, name);
     let never = |_: &str| false;
     // Choices at the start come from no edge: an operator's choice in the first call has priority.
     let chosen = |name: &str| matches!(name, "AUTO" | "SACT_DISP");
@@ -159,6 +154,22 @@ fn engine_data(chart: &Chart) -> String {
         all = bits(&start),
         active = 8 * words(steps),
     )
+}
+
+/// Whether a bit of MOP is 1 in a new instance.
+fn start_value(settings: &Settings, name: &str) -> bool {
+    match name {
+        "ACKREQ" => settings.acknowledge.unwrap_or(true),
+        "SSKIP" => settings.skip_steps.unwrap_or(false),
+        "ILP_MAN" => settings.manual_interlocks.unwrap_or(false),
+        _ => START_VALUES.contains(&name),
+    }
+}
+
+/// MOP as a double word as long as nobody changes the modes: its start values without the request among them.
+pub fn usual_modes(settings: &Settings) -> u32 {
+    let bits = OPERATING_BITS.iter().enumerate().filter(|(_, name)| **name != "INIT" && start_value(settings, name));
+    bits.fold(0, |modes, (at, _)| modes | 1 << (8 * (3 - at / 8) + at % 8))
 }
 
 /// Words of 64 bits that hold a set of steps.
