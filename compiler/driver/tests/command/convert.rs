@@ -623,7 +623,7 @@ fn long_numbers_in_networks() {
 
 /// A document of SIMATIC SD comes back as the same text up to white space, with types in the letters of its author.
 #[test]
-fn documents_come_back_as_they_were() {
+fn types_keep_the_letters_of_their_author() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let source = r#"TYPE
