@@ -3,7 +3,7 @@
 //! the statements directly before show what is in an accumulator.
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
-use plcc_model::{Operand, StlStatement, StlStatementKind};
+use plcc_model::{Operand, Place, StlStatement, StlStatementKind};
 use plcc_syntax::ast::Width;
 use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
 use plcc_syntax::{Class, Elementary};
@@ -32,13 +32,16 @@ enum OtherWidth {
     Short(i16),
 }
 
+/// How many statements after a calculation are looked at for an address.
+const ADDRESS_MAX: usize = 24;
+
 /// Reports numbers of two kinds in one calculation.
 pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &SourceMap, found: &mut Vec<Diagnostic>) {
     let (mut accu1, mut accu2): (Option<Number>, Option<Number>) = (None, None);
     for pair in statements.windows(2) {
         found.extend(divided_by_zero(&pair[0], &pair[1]));
     }
-    for statement in statements {
+    for (at, statement) in statements.iter().enumerate() {
         let StlStatementKind::Instruction { insn, operand } = &statement.kind else {
             (accu1, accu2) = (None, None);
             continue;
@@ -46,8 +49,10 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
         let span = statement.span;
         let calculated = |real, whole| Some(Number { real, whole, span, loaded: false, other_width: None });
         if let Some((real, compares)) = calculation(*insn) {
+            let is_address = !compares && becomes_address(&statements[at + 1..]);
             for number in [accu2, accu1].into_iter().flatten() {
                 found.extend(match number.real == real {
+                    true if is_address && number.whole == Some(Elementary::Int) => None,
                     true => of_other_width(number, is_long(*insn), span, sources),
                     false => Some(mixed(number, span, real, sources)),
                 });
@@ -145,6 +150,47 @@ fn calculation(insn: StlInsn) -> Option<(bool, bool)> {
 /// Whether an instruction for whole numbers takes 32 bits.
 fn is_long(insn: StlInsn) -> bool {
     insn.mnemonic(Mnemonics::En).ends_with('D')
+}
+
+/// Whether the result of a calculation becomes an address, as that of `L #i`, `L P#2.0`, `*D`, `LAR1`: an index is not negative. `rest`: what
+/// follows the calculation.
+fn becomes_address(rest: &[StlStatement]) -> bool {
+    let rest = &rest[..rest.len().min(ADDRESS_MAX)];
+    for (at, statement) in rest.iter().enumerate() {
+        let StlStatementKind::Instruction { insn, operand } = &statement.kind else { return false };
+        match (insn, operand) {
+            (StlInsn::LoadAr1 | StlInsn::LoadAr2 | StlInsn::AddAr1 | StlInsn::AddAr2, Operand::None) => return true,
+            (StlInsn::Transfer, Operand::Memory { place, .. }) => {
+                let later = &rest[at + 1..];
+                return later.iter().enumerate().any(|(at, statement)| points(statement, later.get(at + 1), place));
+            }
+            (StlInsn::Load | StlInsn::AddConst | StlInsn::ShiftLeftD, _) => {}
+            _ if is_long(*insn) && calculation(*insn) == Some((false, false)) => {}
+            _ => return false,
+        }
+    }
+    false
+}
+
+/// Whether a statement takes the value of `pointer` as an address: `L DBW [#p]`, `LAR1 #p`, `L #p` before `LAR1`.
+fn points(statement: &StlStatement, next: Option<&StlStatement>, pointer: &Place) -> bool {
+    let StlStatementKind::Instruction { insn, operand: Operand::Memory { place, .. } } = &statement.kind else {
+        return false;
+    };
+    let before_register = || {
+        next.is_some_and(|next| {
+            matches!(
+                next.kind,
+                StlStatementKind::Instruction { insn: StlInsn::LoadAr1 | StlInsn::LoadAr2, operand: Operand::None }
+            )
+        })
+    };
+    match (insn, place) {
+        (_, Place::Indirect { pointer: own, .. }) => **own == *pointer,
+        (StlInsn::LoadAr1 | StlInsn::LoadAr2, own) => own == pointer,
+        (StlInsn::Load, own) => own == pointer && before_register(),
+        _ => false,
+    }
 }
 
 fn is_function_of_real(insn: StlInsn) -> bool {
