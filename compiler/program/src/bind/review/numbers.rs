@@ -50,6 +50,12 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
         let calculated = |real, whole| Some(Number { real, whole, span, loaded: false, other_width: None });
         if let Some((real, compares)) = calculation(*insn) {
             let is_address = !compares && becomes_address(&statements[at + 1..]);
+            // REALs that are the same have the same bits.
+            let are_bits = matches!(insn, StlInsn::CompareEqD | StlInsn::CompareNeD)
+                && [accu1, accu2].into_iter().flatten().all(|number| number.real && !is_constant(number, sources));
+            if are_bits {
+                continue;
+            }
             for number in [accu2, accu1].into_iter().flatten() {
                 found.extend(match number.real == real {
                     true if is_address && number.whole == Some(Elementary::Int) => None,
@@ -287,12 +293,18 @@ fn mixed(number: Number, span: Span, real: bool, sources: &SourceMap) -> Diagnos
     message.also(number.span, note).help(conversion(number, sources))
 }
 
+/// Whether the number is a constant that a statement loads.
+fn is_constant(number: Number, sources: &SourceMap) -> bool {
+    let operand = if number.loaded { operand_text(number.span, sources) } else { "" };
+    let digits = operand.strip_prefix("L#").unwrap_or(operand).trim_start_matches(['+', '-']);
+    digits.starts_with(|c: char| c.is_ascii_digit())
+}
+
 /// How the number becomes one of the other kind.
 fn conversion(number: Number, sources: &SourceMap) -> String {
     let operand = if number.loaded { operand_text(number.span, sources) } else { "" };
     let digits = operand.strip_prefix("L#").unwrap_or(operand);
-    let is_constant = digits.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
-    match (number.real, is_constant) {
+    match (number.real, is_constant(number, sources)) {
         (false, true) => format!("write `L {digits}.0`"),
         (true, true) => "write the number without a fraction, or calculate with the instruction for REAL".to_string(),
         (false, false) => {
