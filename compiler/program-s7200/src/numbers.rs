@@ -3,7 +3,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::s7200::{Area, Operand, Statement, StatementKind, Width};
-use plcc_syntax::s7200::{Insn, OperandClass};
+use plcc_syntax::s7200::{CompareKind, Insn, OperandClass, Relation};
 use rustc_hash::FxHashMap;
 
 use crate::review::{is_read, is_single, may_leave};
@@ -45,6 +45,9 @@ pub fn review(statements: &[Statement], found: &mut Vec<Diagnostic>) {
             known.clear();
             continue;
         }
+        if compares_bits(*insn, operands) {
+            continue;
+        }
         for (operand, class) in operands.iter().zip(insn.operands()) {
             let Some((real, place)) = taken(*insn, *class).zip(place(operand)) else { continue };
             if let Some(number) = known.get(&place)
@@ -61,6 +64,14 @@ pub fn review(statements: &[Statement], found: &mut Vec<Diagnostic>) {
             known.insert(place, Number { real, span: statement.span });
         }
     }
+}
+
+/// `LDD<> VD0, VD4` finds whether a REAL has changed: two equal REALs have the same bits.
+fn compares_bits(insn: Insn, operands: &[Operand]) -> bool {
+    let Insn::Compare(compare) = insn else { return false };
+    compare.kind == CompareKind::Dword
+        && matches!(compare.relation, Relation::Eq | Relation::Ne)
+        && !operands.iter().any(|operand| matches!(operand, Operand::Const(_)))
 }
 
 /// Whether an operand is taken as a REAL or as a whole number; `None`: as bits, or not at all.
