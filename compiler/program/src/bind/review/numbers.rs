@@ -34,6 +34,8 @@ enum OtherWidth {
 
 /// How many statements after a calculation are looked at for an address.
 const ADDRESS_MAX: usize = 24;
+/// How many statements before and after a transfer are looked at for a shift.
+const SHIFT_MAX: usize = 6;
 
 /// Reports numbers of two kinds in one calculation.
 pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &SourceMap, found: &mut Vec<Diagnostic>) {
@@ -84,6 +86,7 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
                 } else if let (Some(number), Operand::Memory { width, .. }) = (accu1, operand)
                     && number.real
                     && width.bits() < 32
+                    && !is_cut_in_halves(statements, at)
                 {
                     found.push(cut_off(number, *width, span, sources));
                 }
@@ -176,6 +179,24 @@ fn becomes_address(rest: &[StlStatement]) -> bool {
         }
     }
     false
+}
+
+/// Whether the transfer at `at` stores one half of a double word, and a shift beside it moves the other half to where a transfer takes it.
+fn is_cut_in_halves(statements: &[StlStatement], at: usize) -> bool {
+    let end = statements.len().min(at + 1 + SHIFT_MAX);
+    statements[at.saturating_sub(SHIFT_MAX)..end].iter().any(|statement| {
+        matches!(
+            statement.kind,
+            StlStatementKind::Instruction {
+                insn: StlInsn::ShiftRightD
+                    | StlInsn::ShiftLeftD
+                    | StlInsn::RotateRightD
+                    | StlInsn::RotateLeftD
+                    | StlInsn::SwapBytesDword,
+                ..
+            }
+        )
+    })
 }
 
 /// Whether a statement takes the value of `pointer` as an address: `L DBW [#p]`, `LAR1 #p`, `L #p` before `LAR1`.
