@@ -270,7 +270,12 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
         }
         Operand::Memory { width, .. } => match declared.get(&(load.span.file, load.span.end)) {
             Some(&ty) => {
-                whole = matches!(ty, Elementary::Int | Elementary::Dint).then_some(ty);
+                whole = match ty {
+                    Elementary::Int => Some(Elementary::Int),
+                    // Milliseconds are counted in 32 bits.
+                    Elementary::Dint | Elementary::Time => Some(Elementary::Dint),
+                    _ => None,
+                };
                 ty.class() == Class::Float
             }
             None if matches!(width, Width::Byte | Width::Word) => {
