@@ -3,17 +3,20 @@
 use plcc_binding::constant::Constant;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, walk};
-use plcc_syntax::Elementary;
+use plcc_syntax::{Class, Elementary};
+use rustc_hash::FxHashSet;
 
 /// Reports the conditions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
-    walk::statements(list, &mut Conditions { text, told: None, found });
+    walk::statements(list, &mut Conditions { text, told: None, collected: FxHashSet::default(), found });
 }
 
 struct Conditions<'r> {
     text: &'r dyn Fn(Span) -> String,
     /// The condition that was reported last; its parts are joined in the same way.
     told: Option<Span>,
+    /// Where the parts of conditions begin and end that were looked at with the whole.
+    collected: FxHashSet<(u32, u32)>,
     found: &'r mut Vec<Diagnostic>,
 }
 
@@ -51,9 +54,10 @@ impl Comparison {
 
 impl Conditions<'_> {
     /// The comparisons that `op` joins in `value`.
-    fn collect(&self, value: &Expr, op: BinaryOp, list: &mut Vec<Comparison>) {
+    fn collect(&mut self, value: &Expr, op: BinaryOp, list: &mut Vec<Comparison>) {
         match &value.kind {
             ExprKind::Binary { op: inner, left, right } if *inner == op => {
+                self.collected.insert((value.span.start, value.span.end));
                 self.collect(left, op, list);
                 self.collect(right, op, list);
             }
@@ -70,6 +74,10 @@ impl Conditions<'_> {
         };
         let ty = value.ty;
         let number = Constant::Typed { ty, bits }.integer()?;
+        // The type alone decides it, which is reported where it is bound.
+        if ty.class() == Class::Unsigned && number == 0 && matches!(op, CompareOp::Less | CompareOp::GreaterEqual) {
+            return None;
+        }
         let mut loaded = value;
         while let ExprKind::Convert { operand, .. } = &loaded.kind {
             loaded = operand;
@@ -104,7 +112,7 @@ impl walk::Visitor for Conditions<'_> {
         let span = value.span;
         let is_told =
             self.told.is_some_and(|told| told.file == span.file && told.start <= span.start && span.end <= told.end);
-        if value.ty != Elementary::Bool || is_told {
+        if value.ty != Elementary::Bool || is_told || self.collected.contains(&(span.start, span.end)) {
             return;
         }
         let mut list = Vec::new();
@@ -118,20 +126,21 @@ impl walk::Visitor for Conditions<'_> {
         let Some((first, second)) = pair else { return };
         self.told = Some(span);
         let (one, other) = (self.written(first.span), self.written(second.span));
-        let message = |title: String, label: String, help: String| {
-            Diagnostic::new(Code::AlwaysSame, second.span, title).label(label).help(help)
+        let (sign, exchanged, meant) = match op {
+            BinaryOp::Or => ("AND", BinaryOp::And, "both are to be fulfilled"),
+            _ => ("OR", BinaryOp::Or, "one of them is enough"),
         };
-        self.found.push(match op {
-            BinaryOp::Or => message(
+        let help = match first.has_one_outcome_with(second, exchanged) {
+            true => "compare with other values, or remove the condition".to_owned(),
+            false => format!("write `{one} {sign} {other}` if {meant}"),
+        };
+        let (title, label) = match op {
+            BinaryOp::Or => (
                 format!("`{one} OR {other}` is always TRUE"),
                 format!("TRUE for each value that does not fulfil `{one}`"),
-                format!("write `{one} AND {other}` if both are to be fulfilled"),
             ),
-            _ => message(
-                format!("`{one} AND {other}` is always FALSE"),
-                format!("FALSE for each value that fulfils `{one}`"),
-                format!("write `{one} OR {other}` if one of them is enough"),
-            ),
-        });
+            _ => (format!("`{one} AND {other}` is always FALSE"), format!("FALSE for each value that fulfils `{one}`")),
+        };
+        self.found.push(Diagnostic::new(Code::AlwaysSame, second.span, title).label(label).help(help));
     }
 }
