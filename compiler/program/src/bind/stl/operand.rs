@@ -4,7 +4,7 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, AddressRegister, Area, BlockPrefix, CellKind, SpecialRegister, Width};
 use plcc_syntax::literal::Literal;
-use plcc_syntax::stl::{OperandClass, StlInsn};
+use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
 use plcc_syntax::{Class, Elementary};
 
 use crate::bind::declarations::block::CurrentBlock;
@@ -110,10 +110,10 @@ impl StlBinder<'_, '_> {
                 message.help(format!("use {elsewhere}"))
             }
             Place::I { .. } => {
-                let text = self.program.globals.text(span);
+                let (text, scan) = (self.program.globals.text(span), StlInsn::And.mnemonic(self.mnemonics(span)));
                 Diagnostic::new(Code::EdgeBit, span, format!("`{text}` cannot remember an edge"))
                     .label("an input, which the process image overwrites")
-                    .help(format!("scan the input before the edge, `A {text}`, and use {elsewhere} here"))
+                    .help(format!("scan the input before the edge, `{scan} {text}`, and use {elsewhere} here"))
             }
             _ => return,
         };
@@ -171,10 +171,15 @@ impl StlBinder<'_, '_> {
         None
     }
 
+    /// The mnemonics of the file of a place.
+    fn mnemonics(&self, span: Span) -> Mnemonics {
+        let unit = self.program.globals.input.units.iter().find(|(file, _)| *file == span.file);
+        unit.map(|(_, unit)| unit.mnemonics).unwrap_or_default()
+    }
+
     /// What to write for an operand that another instruction takes, or of which an instruction takes a part.
     fn own_help(&self, class: OperandClass, text: &str, span: Span, settled: &Settled) -> Option<String> {
-        let unit = self.program.globals.input.units.iter().find(|(file, _)| *file == span.file);
-        let set = unit.map(|(_, unit)| unit.mnemonics).unwrap_or_default();
+        let set = self.mnemonics(span);
         let is_value = matches!(class, OperandClass::LoadSource | OperandClass::TransferTarget);
         let writes_bit =
             matches!(class, OperandClass::BitWrite | OperandClass::BitWriteOrCounter | OperandClass::BitWriteOrCell);
