@@ -372,7 +372,7 @@ fn flatten<'a>(value: &'a InitialValue, flat: &mut Vec<&'a InitialValue>) -> boo
 fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
     match &value.kind {
         InitialKind::Expr(value) => Some(expression::text(value, writer)),
-        // No value of an expression of networks.
+        // Expressions of networks have no such constants.
         InitialKind::Literal(literal @ Literal::DateAndTime(_)) => Some(writer.slice(value.span, literal)),
         InitialKind::Literal(literal) => {
             let value = crate::to_graph::constant(literal, value.span).ok()?;

@@ -158,7 +158,7 @@ fn linked(form: Form, objects: &[impl AsRef<[u8]>]) -> Result<Vec<u8>, LinkError
     Ok(write::write(&template, &parsed, image))
 }
 
-/// Puts a file in the place of what `path` was, behind its links if it is one, with the rights `mode` as far as the user's mask lets them be.
+/// Puts a file in the place of `path`, or of the file that it leads to if it is a link, with the rights `mode` as far as the user's mask allows.
 /// If the disk is full, what was there stays. A running executable goes on with the file that it was started from.
 pub fn replace(path: &Path, bytes: &[u8], mode: u32) -> Result<(), LinkError> {
     let failed = |error| LinkError::Output { path: path.to_path_buf(), error };

@@ -54,7 +54,7 @@ impl<'m> Located<'m> {
         Located { base: LocatedBase::Place(place), offset: Some(offset), in_bounds, character: None, index }
     }
 
-    /// Whether the text has this character: if not, it reads 0 and is not written. `None`: it is no character, or always there.
+    /// Whether the text has this character: if not, it reads 0 and is not written. `None`: it is not a character, or always there.
     pub const fn character(&self) -> Option<Value> {
         self.character
     }

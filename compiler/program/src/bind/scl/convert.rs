@@ -150,7 +150,7 @@ pub fn narrows(from: Elementary, to: Elementary) -> bool {
     }
 }
 
-/// Whether `number`, of the integer type `from`, is a value of type `to` that is no bit string.
+/// Whether `number`, of the integer type `from`, is a value of type `to`, which is not a bit string.
 pub fn holds(rules: Rules, from: Elementary, to: Elementary, number: i128) -> bool {
     let below = |bits: u32| (0..1i128 << bits).contains(&number);
     match (to.class(), explicit(rules, from, to)) {
