@@ -73,7 +73,8 @@ impl Recovery {
         let before = index.checked_sub(1).and_then(|before| state.tokens.get(before))?;
         let text = |(start, _, end): &Spanned| state.text.get(*start..*end).unwrap_or_default().to_owned();
         let told = |from: usize, to: usize, title: String, label: &str, help: String| {
-            let code = if self == Recovery::Declaration { Code::DeclarationSyntax } else { Code::Syntax };
+            let declares = matches!(self, Recovery::Declaration | Recovery::Constant);
+            let code = if declares { Code::DeclarationSyntax } else { Code::Syntax };
             Some(Diagnostic::new(code, state.span(from..to), title).label(label).help(help))
         };
         match (self, &before.1, &at.1) {
@@ -164,9 +165,15 @@ impl Recovery {
                 )
             }
             // `1 000`
-            (Recovery::Statement | Recovery::Condition | Recovery::Argument, Tok::Literal(_), Tok::Literal(_))
-                if is_digits(&text(before)) && is_digits(&text(at)) && at.0 == before.2 + 1 =>
-            {
+            (
+                Recovery::Statement
+                | Recovery::Condition
+                | Recovery::Argument
+                | Recovery::Declaration
+                | Recovery::Constant,
+                Tok::Literal(_),
+                Tok::Literal(_),
+            ) if is_digits(&text(before)) && is_digits(&text(at)) && at.0 == before.2 + 1 => {
                 let number = state.text.get(before.0..).map(with_blanks).unwrap_or_default();
                 told(
                     before.0,
