@@ -256,6 +256,7 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
             let number = text.trim_start_matches(['+', '-']);
             let digits = number.strip_prefix("L#").unwrap_or(number).trim_start_matches(['+', '-']);
             match () {
+                () if digits.is_empty() => return None,
                 () if digits.bytes().all(|byte| byte.is_ascii_digit() || byte == b'_') => {
                     let number = *value as i32;
                     other_width = match text.starts_with("L#") {
@@ -293,10 +294,10 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
     Some(Number { real, whole, span: load.span, loaded: true, other_width })
 }
 
-/// The operand of a statement, as written.
+/// The operand of a statement, as written: also of `L-5`, where no blank is before it.
 pub(super) fn operand_text(span: Span, sources: &SourceMap) -> &str {
     let text = sources.file(span.file).text.get(span.range()).unwrap_or_default();
-    let text = text.split_once(|c: char| c.is_whitespace()).map_or("", |(_, operand)| operand);
+    let text = text.trim_start_matches(|c: char| c.is_ascii_alphanumeric());
     text.trim().trim_end_matches(';').trim_end()
 }
 
