@@ -34,6 +34,8 @@ enum OtherWidth {
 
 /// How many statements after a calculation are looked at for an address.
 const ADDRESS_MAX: usize = 24;
+/// How many statements after the transfer of a number are looked at for its use as an address.
+const POINTER_MAX: usize = 200;
 /// How many statements before and after a transfer are looked at for a shift.
 const SHIFT_MAX: usize = 6;
 
@@ -51,7 +53,8 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
         let span = statement.span;
         let calculated = |real, whole| Some(Number { real, whole, span, loaded: false, other_width: None });
         if let Some((real, compares)) = calculation(*insn) {
-            let is_address = !compares && becomes_address(&statements[at + 1..]);
+            let has_int = [accu1, accu2].into_iter().flatten().any(|number| number.whole == Some(Elementary::Int));
+            let is_address = has_int && !compares && becomes_address(&statements[at + 1..]);
             // REALs that are the same have the same bits.
             let are_bits = matches!(insn, StlInsn::CompareEqD | StlInsn::CompareNeD)
                 && [accu1, accu2].into_iter().flatten().all(|number| number.real && !is_constant(number, sources));
@@ -164,13 +167,12 @@ fn is_long(insn: StlInsn) -> bool {
 /// Whether the result of a calculation becomes an address, as that of `L #i`, `L P#2.0`, `*D`, `LAR1`: an index is not negative. `rest`: what
 /// follows the calculation.
 fn becomes_address(rest: &[StlStatement]) -> bool {
-    let rest = &rest[..rest.len().min(ADDRESS_MAX)];
-    for (at, statement) in rest.iter().enumerate() {
+    for (at, statement) in rest.iter().enumerate().take(ADDRESS_MAX) {
         let StlStatementKind::Instruction { insn, operand } = &statement.kind else { return false };
         match (insn, operand) {
             (StlInsn::LoadAr1 | StlInsn::LoadAr2 | StlInsn::AddAr1 | StlInsn::AddAr2, Operand::None) => return true,
             (StlInsn::Transfer, Operand::Memory { place, .. }) => {
-                let later = &rest[at + 1..];
+                let later = &rest[at + 1..rest.len().min(at + 1 + POINTER_MAX)];
                 return later.iter().enumerate().any(|(at, statement)| points(statement, later.get(at + 1), place));
             }
             (StlInsn::Load | StlInsn::AddConst | StlInsn::ShiftLeftD, _) => {}
