@@ -240,10 +240,11 @@ impl Scope {
                 indices.iter_mut().for_each(|index| self.expr(index));
                 return match kind {
                     Some(Ty::Array(element)) => Some(self.shared.types.resolved(*element)),
-                    Some(Ty::Text) if self.shared.editor == Editor::Codesys => {
+                    Some(text @ (Ty::Text | Ty::WideText)) if self.shared.editor == Editor::Codesys => {
                         indices.iter_mut().for_each(texts::from_one);
-                        value.kind = texts::as_byte(value.clone());
-                        Some(Ty::Of(Elementary::Byte))
+                        let is_wide = text == Ty::WideText;
+                        value.kind = texts::as_number(value.clone(), is_wide);
+                        Some(Ty::Of(if is_wide { Elementary::Word } else { Elementary::Byte }))
                     }
                     _ => None,
                 };

@@ -25,6 +25,8 @@ pub enum Ty {
     /// DATE_AND_TIME, as LDT.
     DateAndTime,
     Text,
+    /// WSTRING.
+    WideText,
     /// A subrange of an integer type.
     Range(Elementary, i64, i64),
     /// A type, function block or program of the file, in lower case, or a standard block.
@@ -64,6 +66,7 @@ impl Ty {
             "DATE" => Some(Ty::Date),
             "DT" | "DATE_AND_TIME" => Some(Ty::DateAndTime),
             "STRING" => Some(Ty::Text),
+            "WSTRING" => Some(Ty::WideText),
             "TOD" => Some(Ty::Of(Elementary::TimeOfDay)),
             upper => Elementary::from_word(upper).map(Ty::Of),
         }
@@ -74,14 +77,14 @@ impl Ty {
         match self {
             Ty::Of(ty) | Ty::Range(ty, ..) => Some(ty.name().to_string()),
             Ty::Date | Ty::DateAndTime => Some("LDT".to_string()),
-            Ty::Text | Ty::Named(_) | Ty::Array(_) => None,
+            Ty::Text | Ty::WideText | Ty::Named(_) | Ty::Array(_) => None,
         }
     }
 
     pub fn elementary(&self) -> Option<Elementary> {
         match self {
             Ty::Of(ty) | Ty::Range(ty, ..) => Some(*ty),
-            Ty::Date | Ty::DateAndTime | Ty::Text | Ty::Named(_) | Ty::Array(_) => None,
+            Ty::Date | Ty::DateAndTime | Ty::Text | Ty::WideText | Ty::Named(_) | Ty::Array(_) => None,
         }
     }
 

@@ -1,12 +1,12 @@
-//! Texts in CODESYS. Their elements are bytes, counted from 0; in SCL they are characters, counted from 1. Functions of texts have other names
-//! for their inputs.
+//! Texts in CODESYS. Their elements are bytes, those of a WSTRING words, counted from 0; in SCL they are characters, counted from 1. Functions of
+//! texts have other names for their inputs.
 
 use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal};
 
 use super::Make;
 
-/// The function whose value an element is.
-const AS_BYTE: &str = "CHAR_TO_BYTE";
+/// The functions whose values elements are: of a STRING, of a WSTRING.
+const AS_NUMBER: [&str; 2] = ["CHAR_TO_BYTE", "WCHAR_TO_WORD"];
 
 /// The index that SCL has for the element `index`.
 pub fn from_one(index: &mut Expr) {
@@ -18,16 +18,16 @@ pub fn from_one(index: &mut Expr) {
     *index = make.binary(BinaryOp::Add, index.clone(), make.number(1));
 }
 
-/// The value of the character `element`.
-pub fn as_byte(element: Expr) -> ExprKind {
+/// The value of the character `element`; `is_wide`: of a WSTRING.
+pub fn as_number(element: Expr, is_wide: bool) -> ExprKind {
     let make = Make { name: element.span, span: element.span };
-    make.call(AS_BYTE, element).kind
+    make.call(AS_NUMBER[usize::from(is_wide)], element).kind
 }
 
-/// Makes a value of [`as_byte`] the character itself, which a statement assigns.
+/// Makes a value of [`as_number`] the character itself, which a statement assigns.
 pub fn as_place(value: &mut Expr) {
     let ExprKind::Call { callee, arguments } = &mut value.kind else { return };
-    let is_element = matches!(&callee.kind, ExprKind::Name(name) if name.text == AS_BYTE);
+    let is_element = matches!(&callee.kind, ExprKind::Name(name) if AS_NUMBER.contains(&name.text.as_str()));
     if is_element
         && let [argument] = arguments.as_mut_slice()
         && let Some(element) = argument.value.take()
