@@ -37,7 +37,7 @@ impl Declarations<'_> {
         let Some(first) = first_of(value, ty) else { return };
         let text = self.globals.text(value.span);
         let all = self.for_all(value, count);
-        let title = format!("only the element {first} of this array begins with `{text}`");
+        let title = format!("only element {first} of this array begins with `{text}`");
         let mut message = Diagnostic::new(Code::InitialValue, value.span, title)
             .label(format!("one value for {}", counted(usize::try_from(count).unwrap_or(usize::MAX), "element")))
             .help(format!("write `{all}` for all of them"));

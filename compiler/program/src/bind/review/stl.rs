@@ -224,7 +224,7 @@ fn edge_bit(place: &Place) -> Option<(u8, u16, u32, u8)> {
 fn not_a_time(load: &StlStatement, timer: Span, declared: &NumberTypes, sources: &SourceMap) -> Option<Diagnostic> {
     if declared.get(&(load.span.file, load.span.end)) == Some(&Elementary::Time) {
         let variable = operand_text(load.span, sources);
-        let title = format!("`{variable}` is a TIME, and not an S5TIME");
+        let title = format!("`{variable}` is a TIME, not an S5TIME");
         let message = Diagnostic::new(Code::TimerWithoutTime, timer, title).label(TAKES_BCD);
         let help = format!("convert it before, as FC 40 TIM_S5TI does, or declare `{variable}` as S5TIME");
         return Some(message.also(load.span, "loaded here").help(help));
