@@ -304,8 +304,10 @@ impl Writer<'_> {
 
     /// A name that is declared, in quotes if it must have them; a word of the language, or one with letters of other languages, if it has
     /// them in the source: `"IF"`.
-    fn declared(&self, name: &str, span: Span) -> String {
-        let may_have = Keyword::from_word(name).is_some() || !name.is_ascii();
+    pub(crate) fn declared(&self, name: &str, span: Span) -> String {
+        // No keyword, but half of `END IF`.
+        let is_word = Keyword::from_word(name).is_some() || name.eq_ignore_ascii_case("END");
+        let may_have = is_word || !name.is_ascii();
         if may_have && self.is_quoted(name, span) { names::symbol(name) } else { names::declared(name) }
     }
 

@@ -88,8 +88,8 @@ pub(crate) fn path_text(path: &Path, writer: &mut Writer) -> String {
 /// A component of a data block, before its value.
 pub(crate) fn value_path(path: &Path, writer: &mut Writer) -> String {
     let root = match &path.root {
-        PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } | PathRoot::Quoted { name, .. } => {
-            names::declared(name)
+        PathRoot::Local { name, span } | PathRoot::Bare { name, span } | PathRoot::Quoted { name, span } => {
+            writer.declared(name, *span)
         }
         PathRoot::Block(name) => writer.block_name(name),
     };
@@ -99,9 +99,9 @@ pub(crate) fn value_path(path: &Path, writer: &mut Writer) -> String {
 fn parts(mut text: String, parts: &[PathPart], writer: &mut Writer) -> String {
     for part in parts {
         match part {
-            PathPart::Member { name, .. } => {
+            PathPart::Member { name, span } => {
                 text.push('.');
-                text.push_str(&names::declared(name));
+                text.push_str(&writer.declared(name, *span));
             }
             PathPart::Index { values, .. } => {
                 let values: Vec<String> = values.iter().map(|value| writer.bound(value)).collect();

@@ -350,6 +350,10 @@ fn parameters_of_blocks_have_any_names() {
                   \"DB 1\".\"a b\"[#\"END\"].\"if\" := #\"Größe\" + #Länge;\nEND_FUNCTION\n";
     fs::write(folder.join("a.scl"), source).expect("the folder can be written");
     assert_eq!(text(&plcc(folder, &["convert", "a.scl", "--to", "scl"]).stdout), source);
+    let source = "DATA_BLOCK \"D\"\nSTRUCT\n    \"IF\" : INT;\n    x : STRUCT\n        \"FOR\" : INT;\n    END_STRUCT;\nEND_STRUCT;\n\
+                  BEGIN\n    \"IF\" := 5;\n    x.\"FOR\" := 6;\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("d.scl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "d.scl", "--to", "scl"]).stdout), source);
 }
 
 /// `"tag":P` is an input or output itself, not a tag with this name.
