@@ -133,10 +133,11 @@ impl Binder<'_> {
         if meant == written {
             return Some(());
         }
-        let message =
-            Diagnostic::new(Code::OperandKind, operand.span, format!("`{name}` is {meant}, not {written} (0090)"))
-                .label("symbol and address do not go together")
-                .help(format!("write the one that is meant: `{name}` or `{written}`"));
+        let symbol = if shown.form == SymbolForm::Local { format!("#{name}") } else { name.clone() };
+        let title = format!("`{symbol}` is {meant}, not {written} (0090)");
+        let message = Diagnostic::new(Code::OperandKind, operand.span, title)
+            .label("symbol and address do not go together")
+            .help(format!("write the one that is meant: `{symbol}` or `{written}`"));
         self.push(match row {
             Some(row) => message.also(row, "its row in the symbol table"),
             None => message,
