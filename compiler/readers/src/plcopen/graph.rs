@@ -1,5 +1,6 @@
 //! Objects of a network as elements and nets.
 
+mod floats;
 mod places;
 mod signals;
 
@@ -262,6 +263,7 @@ impl Build<'_, '_, '_> {
             && object.modifiers.storage == Storage::None
             && !object.modifiers.negated;
         let (row, mut pins) = if is_value {
+            let value = self.as_float(value, input, self.float_variable(object).as_ref());
             ("Move", vec![pin("in", value, false, span), pin("out1", operand, true, span)])
         } else {
             let row = match object.modifiers.storage {
@@ -402,7 +404,8 @@ impl Build<'_, '_, '_> {
         let (mut pins, mut further) = (Vec::new(), Vec::new());
         let missing = row.and_then(|row| only_missing(row, &target, &object.inputs));
         let placed = row.filter(|row| places::are_inputs(row, &object.inputs));
-        for (number, input) in places::numbered(&object.inputs) {
+        let floats = self.floats(at, object, block);
+        for ((number, input), float) in places::numbered(&object.inputs).zip(&floats) {
             if input.is_open() {
                 continue;
             }
@@ -417,7 +420,9 @@ impl Build<'_, '_, '_> {
             }) else {
                 continue;
             };
-            let mut connected = pin(&canonical, self.input(Some(input), input.span), false, input.span);
+            let value = self.input(Some(input), input.span);
+            let value = self.as_float(value, input, float.as_ref());
+            let mut connected = pin(&canonical, value, false, input.span);
             connected.negated = input.modifiers.negated;
             pins.push(connected);
         }
