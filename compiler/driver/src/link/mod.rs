@@ -26,6 +26,9 @@ pub use template::{Form, Runtime};
 /// The C compiler that links where plcc cannot.
 const COMPILER: &str = "cc";
 
+/// Links that lead to each other, as many as Linux follows.
+const LINKS_MAX: usize = 40;
+
 /// Why there is no executable.
 #[derive(Debug)]
 pub enum LinkError {
@@ -166,7 +169,7 @@ pub fn replace(path: &Path, bytes: &[u8], mode: u32) -> Result<(), LinkError> {
         (Ok(found), Ok(place)) if found.is_file() => place,
         // Devices and pipes are written to, and files that have no name.
         (Ok(_), _) => return fs::write(path, bytes).map_err(failed),
-        (Err(_), _) => path.to_path_buf(),
+        (Err(_), _) => behind_links(path).map_err(failed)?,
     };
     let folder = match place.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -180,6 +183,19 @@ pub fn replace(path: &Path, bytes: &[u8], mode: u32) -> Result<(), LinkError> {
     file.write_all(bytes).map_err(failed)?;
     file.persist(&place).map_err(|error| failed(error.error))?;
     Ok(())
+}
+
+/// Where a link leads at whose end there is nothing yet; the path itself if it is none.
+fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    let mut place = path.to_path_buf();
+    for _ in 0..LINKS_MAX {
+        let Ok(target) = fs::read_link(&place) else { return Ok(place) };
+        // From the folder of the link.
+        place.pop();
+        place.push(target);
+    }
+    // The system says that this is a loop.
+    path.metadata().map(|_| place)
 }
 
 #[cfg(test)]

@@ -176,6 +176,10 @@ fn an_output_stays_a_link() {
     assert!(link.is_symlink());
     assert_eq!(run(folder.path(), "real").status.code(), Some(0));
     assert_eq!(std::fs::read(&real).expect("it was built"), build(folder.path(), "program", &[]));
+    // Also if nothing is at its end yet.
+    std::fs::remove_file(&real).expect("it was built");
+    build(folder.path(), "program", &[]);
+    assert!(link.is_symlink() && real.is_file());
 }
 
 #[test]
