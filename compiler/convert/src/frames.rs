@@ -308,7 +308,8 @@ impl Writer<'_> {
         // No keyword, but half of `END IF`.
         let is_word = Keyword::from_word(name).is_some() || name.eq_ignore_ascii_case("END");
         let may_have = is_word || !name.is_ascii();
-        if may_have && self.is_quoted(name, span) { names::symbol(name) } else { names::declared(name) }
+        let has_quotes = is_word && self.quotes_words || may_have && self.is_quoted(name, span);
+        if has_quotes { names::symbol(name) } else { names::declared(name) }
     }
 
     /// Whether a name is in quotes in the source, also after `#`.

@@ -37,6 +37,7 @@ pub struct Document {
 /// Writes a document. `source`: the text that spans mean, if its constants are those of SCL.
 pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> Document {
     let mut writer = Writer::new(Notation::Sd, Mnemonics::En, trivia, source);
+    writer.quotes_words = unit.overlay.is_some();
     let mut texts = Texts::default();
     for (at, block) in unit.blocks.iter().enumerate() {
         writer.out.gap();

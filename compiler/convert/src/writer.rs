@@ -29,6 +29,8 @@ pub(crate) struct Writer<'a> {
     pub mnemonics: Mnemonics,
     /// The text that spans mean, if its constants are written as in the new notation.
     pub source: Option<&'a str>,
+    /// The source is an export in XML, which has names without quotes: those that are words of the language get some.
+    pub quotes_words: bool,
     /// Comments that are written before their place in the source is reached.
     pub written: Vec<String>,
     pub messages: Vec<Diagnostic>,
@@ -36,7 +38,8 @@ pub(crate) struct Writer<'a> {
 
 impl<'a> Writer<'a> {
     pub fn new(notation: Notation, mnemonics: Mnemonics, trivia: Trivia<'a>, source: Option<&'a str>) -> Writer<'a> {
-        Writer { out: Out::default(), trivia, notation, mnemonics, source, written: Vec::new(), messages: Vec::new() }
+        let (written, messages) = (Vec::new(), Vec::new());
+        Writer { out: Out::default(), trivia, notation, mnemonics, source, quotes_words: false, written, messages }
     }
 
     /// A constant as the author wrote it, if the notation has it so; otherwise in its usual form.

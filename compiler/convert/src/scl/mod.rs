@@ -28,6 +28,7 @@ pub enum Others {
 pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Others) -> (String, Vec<Diagnostic>) {
     let mut writer = Writer::new(Notation::Scl, Mnemonics::En, trivia, source);
     let is_project = others == Others::LeftOut;
+    writer.quotes_words = unit.overlay.is_some() && !is_project;
     let mut starts = HashSet::new();
     for block in &unit.blocks {
         writer.out.gap();

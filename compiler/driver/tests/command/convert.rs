@@ -354,6 +354,10 @@ fn parameters_of_blocks_have_any_names() {
                   BEGIN\n    \"IF\" := 5;\n    x.\"FOR\" := 6;\nEND_DATA_BLOCK\n";
     fs::write(folder.join("d.scl"), source).expect("the folder can be written");
     assert_eq!(text(&plcc(folder, &["convert", "d.scl", "--to", "scl"]).stdout), source);
+    // XML has no quotes.
+    plcc(folder, &["convert", "d.scl", "--to", "xml", "--cpu", "s7-1500", "-o", "d.xml"]);
+    let found = text(&plcc(folder, &["convert", "d.xml", "--to", "scl"]).stdout);
+    assert!(found.contains("\n    \"IF\" : INT") && found.contains("\n        \"FOR\" : INT"), "{found}");
 }
 
 /// `"tag":P` is an input or output itself, not a tag with this name.
