@@ -3,7 +3,7 @@
 //! Only statements that each pass reaches count, in loops with constant limits that nothing leaves.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_model::scl::{Access, Conversion, Expr, ExprKind, Statement, StatementKind, walk};
+use plcc_model::scl::{Access, Conversion, Expr, ExprKind, IndexBounds, Statement, StatementKind, walk};
 
 use super::region::Bits;
 use super::tree::known;
@@ -20,16 +20,19 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
             let last = start + (end - start) / step * step;
             let mut used = Used { counted, low: start.min(last), high: start.max(last), beyond: None };
             used.passed(body);
-            if let Some((index, low, high)) = used.beyond {
+            if let Some(Beyond { index, low, high, is_text }) = used.beyond {
                 let (from, to) = (start.clamp(low, high), last.clamp(low, high));
                 let by = if step == 1 { String::new() } else { format!(" BY {step}") };
-                let help = format!(
-                    "write `FOR {} := {from} TO {to}{by} DO`, or declare the array with more elements",
-                    text(variable.span)
-                );
+                let (title, parts, longer) = match is_text {
+                    true => ("the loop goes beyond the characters of this text", "characters", "a longer text"),
+                    false => {
+                        ("the loop goes beyond the bounds of this array", "elements", "the array with more elements")
+                    }
+                };
+                let help = format!("write `FOR {} := {from} TO {to}{by} DO`, or declare {longer}", text(variable.span));
                 found.push(
-                    Diagnostic::new(Code::IndexOfLoop, index, "the loop goes beyond the bounds of this array")
-                        .label(format!("{start} to {last}, but the elements are {low} to {high}"))
+                    Diagnostic::new(Code::IndexOfLoop, index, title)
+                        .label(format!("{start} to {last}, but the {parts} are {low} to {high}"))
                         .also(statement.span, "the loop")
                         .help(help),
                 );
@@ -58,8 +61,15 @@ struct Used {
     /// Its values.
     low: i128,
     high: i128,
-    /// The first index that goes beyond its array, with the bounds.
-    beyond: Option<(Span, i128, i128)>,
+    beyond: Option<Beyond>,
+}
+
+/// The first index that goes beyond its array or text.
+struct Beyond {
+    index: Span,
+    low: i128,
+    high: i128,
+    is_text: bool,
 }
 
 impl Used {
@@ -107,7 +117,8 @@ impl walk::Visitor for Used {
                 let (low, high) = (i128::from(low), i128::from(high));
                 // An array whose elements are all elsewhere has no loop of its own that would fit.
                 if (self.low < low || self.high > high) && self.low <= high && self.high >= low {
-                    self.beyond = Some((index.value.span, low, high));
+                    let is_text = matches!(index.bounds, IndexBounds::Characters { .. });
+                    self.beyond = Some(Beyond { index: index.value.span, low, high, is_text });
                 }
             }
         }
