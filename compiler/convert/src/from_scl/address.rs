@@ -1,7 +1,7 @@
 //! Accesses through AR1: arrays with indices that are known at run time, `MW[i]`, `DB10.DW[i]`.
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
-use plcc_model::scl::{Access, Base, Expr, ExprKind, Index, IndexedArea};
+use plcc_model::scl::{Access, Base, Expr, ExprKind, Index, IndexBounds, IndexedArea};
 use plcc_model::types::Elementary;
 use plcc_model::{Direction, Passing, Place, PlaceArea, layout};
 use plcc_syntax::ast::{AddressRegister, BlockPrefix, Operand, OperandKind, Path, PathRoot, Width};
@@ -246,9 +246,16 @@ impl Maker<'_> {
         let mut lowest = 0;
         let mut sum: Option<Operand> = None;
         for (at, index) in indices.iter().enumerate() {
-            let Some((low, _)) = index.bounds.known() else {
-                self.refuse(span, "an element of ARRAY[*]", "declare the bounds of the array");
-                return None;
+            let low = match index.bounds {
+                IndexBounds::Known(low, _) => low,
+                IndexBounds::Open { .. } => {
+                    self.refuse(span, "an element of ARRAY[*]", "declare the bounds of the array");
+                    return None;
+                }
+                IndexBounds::Characters { .. } => {
+                    self.refuse(span, "a character that a text may not have", "leave the block in SCL");
+                    return None;
+                }
             };
             lowest += i64::from(low) * i64::from(index.stride);
             self.number(&index.value);

@@ -173,8 +173,10 @@ impl<'p, 'a, 's> Project<'p, 'a, 's> {
     }
 
     fn data_type(&mut self, block: &'a TypeBlock, writer: &mut Writer) {
-        let before = writer.lines_before(block.span.start);
+        let mut before = writer.lines_before(block.span.start);
         self.header(&block.header, block.name.span(), writer);
+        let first = block.members.first().map_or(block.span.end, |member| member.name_span.start);
+        before.extend(writer.header_lines(&block.header, block.name.span().end, &["STRUCT"], first));
         let name = self.program.name(&self.program.key(&block.name));
         let ty = match &block.alias {
             Some(alias) => self.declarer.type_node(alias, "values", &name, writer),

@@ -59,7 +59,9 @@ pub fn is_negated(source: &str, before: u32) -> bool {
 /// Whether a pin is written without its name: `Inc( #n )`.
 pub fn is_unnamed(source: &str, pin: Span) -> bool {
     let text = source.get(pin.range()).unwrap_or_default();
-    !text.is_empty() && !text.contains(":=") && !text.contains("=>")
+    // The place of a pin that comes from a statement is its operand alone.
+    let before = source.get(..pin.start as usize).unwrap_or_default().trim_end();
+    before.ends_with(['(', ',']) && !text.is_empty() && !text.contains(":=") && !text.contains("=>")
 }
 
 /// Whether a pin is written with `:=`, as an output of some coils may be: `operand := #a`.

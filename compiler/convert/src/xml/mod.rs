@@ -118,7 +118,7 @@ impl Ids {
 impl Writer<'_> {
     /// The comments of a header, which ends where one of the words begins that open declarations. What the header holds as its comment is
     /// not among them, and not met again.
-    fn header_lines(&mut self, header: &Header, from: u32, words: &[&str], first: u32) -> Vec<String> {
+    pub(crate) fn header_lines(&mut self, header: &Header, from: u32, words: &[&str], first: u32) -> Vec<String> {
         self.written.clone_from(&header.comment);
         let opening = words.iter().find_map(|word| self.trivia.word(word, from, first));
         let mut lines = opening.map_or_else(Vec::new, |at| self.lines_before(at));

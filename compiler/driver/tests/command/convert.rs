@@ -333,7 +333,7 @@ fn numbers_of_documents_stay() {
     fs::write(folder.join("main.stl"), main).expect("the folder can be written");
     let found = plcc(folder, &["xref", "b.stl", "main.stl", "--cpu", "315-2DP"]);
     let found = format!("{}{}", text(&found.stdout), text(&found.stderr));
-    assert!(found.contains("OB 35"), "{found}");
+    assert!(found.contains("OB35 (Control)"), "{found}");
 }
 
 /// Names of parameters with blanks are in quotes.

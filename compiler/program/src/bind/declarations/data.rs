@@ -263,7 +263,15 @@ impl Declarations<'_> {
                 Some((instance, Some(key)))
             }
             _ => {
-                self.no_content(source, span);
+                match (name, &source.name) {
+                    // The block has the name of its type, which is not there.
+                    (BlockName::Symbol { name, .. }, BlockName::Symbol { name: own, .. })
+                        if fold(name) == fold(own) =>
+                    {
+                        self.globals.unknown_type(name, span);
+                    }
+                    _ => self.no_content(source, span),
+                }
                 None
             }
         }
