@@ -54,7 +54,7 @@ impl Repair<'_> {
         true
     }
 
-    /// `TYPE State : (Idle, Run); END_TYPE`, `TYPE State : INT (Idle := 0, Run := 1); END_TYPE`
+    /// `TYPE State : INT (Idle := 0, Run := 1); END_TYPE`
     fn choice_by_name(&mut self, token: RawToken) -> bool {
         let at = self.at;
         if token.keyword != Some(Keyword::Type) {
@@ -65,15 +65,18 @@ impl Repair<'_> {
         if !is_name(self.kind(name)) || self.kind(colon) != Some(RawKind::Colon) {
             return false;
         }
-        let of_integers = self.kind(colon + 1) == Some(RawKind::Word) && self.keyword(colon + 1).is_none();
-        let open = if of_integers { colon + 2 } else { colon + 1 };
+        // `TYPE State : (Idle, Run);` is read as INT with its header.
+        if self.kind(colon + 1) != Some(RawKind::Word) || self.keyword(colon + 1).is_some() {
+            return false;
+        }
+        let open = colon + 2;
         if self.kind(open) != Some(RawKind::LeftParen) || !is_name(self.kind(open + 1)) {
             return false;
         }
         let is_limit = |token: &RawToken| token.keyword.is_some_and(|word| word.begins_block() || word.ends_block());
         let end = self.tokens[open..].iter().position(is_limit).map(|found| open + found);
         let Some(end) = end.filter(|end| self.keyword(*end) == Some(Keyword::EndType)) else { return false };
-        let ty = if of_integers { self.words(colon + 1, colon + 1).to_owned() } else { "INT".to_owned() };
+        let ty = self.words(colon + 1, colon + 1).to_owned();
         let names = (open + 1..end).filter(|&index| {
             is_name(self.kind(index)) && matches!(self.kind(index - 1), Some(RawKind::LeftParen | RawKind::Comma))
         });
