@@ -385,6 +385,28 @@ pub enum Place {
 }
 
 impl Place {
+    /// Byte and bit from the start of the area, data block or parameter in which the place is. `None`: they are only known when the program
+    /// runs, or it is a direct access to a module.
+    pub fn position_mut(&mut self) -> Option<(&mut u32, &mut u8)> {
+        match self {
+            Place::I { byte, bit }
+            | Place::Q { byte, bit }
+            | Place::M { byte, bit }
+            | Place::L { byte, bit }
+            | Place::OpenDb { byte, bit }
+            | Place::OpenDi { byte, bit }
+            | Place::Db { byte, bit, .. }
+            | Place::Instance { byte, bit }
+            | Place::Parameter { byte, bit, .. }
+            | Place::ThroughPointer { byte, bit, .. } => Some((byte, bit)),
+            Place::Pi { .. }
+            | Place::Pq { .. }
+            | Place::Indirect { .. }
+            | Place::Register { .. }
+            | Place::Element { .. } => None,
+        }
+    }
+
     /// The place itself, or an element after it.
     pub fn with_indices(self, indices: Vec<ElementIndex>) -> Place {
         if indices.is_empty() { self } else { Place::Element { base: Box::new(self), indices } }

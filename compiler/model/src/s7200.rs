@@ -114,6 +114,21 @@ pub enum Area {
     L,
 }
 
+impl Area {
+    /// In the international set.
+    pub const fn letters(self) -> &'static str {
+        match self {
+            Area::I => "I",
+            Area::Q => "Q",
+            Area::V => "V",
+            Area::M => "M",
+            Area::Sm => "SM",
+            Area::S => "S",
+            Area::L => "L",
+        }
+    }
+}
+
 /// An assertion pragma.
 pub type Assert = super::Assert<AssertSide>;
 

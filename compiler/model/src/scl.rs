@@ -386,7 +386,7 @@ pub enum IndexBounds {
     /// A bound of the ARRAY[*] formal `parameter`, in its dimension. Distances of all but the last dimension are multiplied by the lengths of
     /// the later ones; `stride` is that of an element.
     Open { parameter: usize, dimension: u8 },
-    /// Characters of a text, from 1 on. One that the text does not have reads 0 and is not written, which is no fault. `length`: how many the
+    /// Characters of a text, from 1 on. One that the text does not have reads 0 and is not written, without a fault. `length`: how many the
     /// declaration has; `in_head`: the head of the text, before its first character, may say fewer, as that of a formal.
     Characters { length: i32, in_head: bool },
 }

@@ -140,18 +140,7 @@ fn forget(operand: &Operand, single: bool, known: &mut Known) {
 
 fn mixed(place: Place, number: Number, span: Span) -> Diagnostic {
     let name = match place {
-        Place::Memory(area, byte) => {
-            let letter = match area {
-                Area::I => "I",
-                Area::Q => "Q",
-                Area::V => "V",
-                Area::M => "M",
-                Area::Sm => "SM",
-                Area::S => "S",
-                Area::L => "L",
-            };
-            format!("{letter}D{byte}")
-        }
+        Place::Memory(area, byte) => format!("{}D{byte}", area.letters()),
         Place::Accumulator(number) => format!("AC{number}"),
     };
     let (is, wants, help) = match number.real {

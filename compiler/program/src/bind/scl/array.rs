@@ -343,27 +343,9 @@ fn distance(source: &Run, target: &Run) -> i32 {
 fn placed(access: &Access) -> Option<(Place, i64)> {
     let Base::Place(place) = &access.base else { return None };
     let mut area = place.clone();
-    let distance = match &mut area {
-        Place::I { byte, bit }
-        | Place::Q { byte, bit }
-        | Place::M { byte, bit }
-        | Place::L { byte, bit }
-        | Place::OpenDb { byte, bit }
-        | Place::OpenDi { byte, bit }
-        | Place::Db { byte, bit, .. }
-        | Place::Instance { byte, bit }
-        | Place::Parameter { byte, bit, .. }
-        | Place::ThroughPointer { byte, bit, .. } => {
-            let distance = 8 * i64::from(*byte) + i64::from(*bit);
-            (*byte, *bit) = (0, 0);
-            distance
-        }
-        Place::Pi { .. }
-        | Place::Pq { .. }
-        | Place::Indirect { .. }
-        | Place::Register { .. }
-        | Place::Element { .. } => return None,
-    };
+    let (byte, bit) = area.position_mut()?;
+    let distance = 8 * i64::from(*byte) + i64::from(*bit);
+    (*byte, *bit) = (0, 0);
     Some((area, distance))
 }
 

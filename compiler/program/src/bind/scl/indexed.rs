@@ -166,7 +166,7 @@ impl SclBinder<'_, '_> {
         Some(spot)
     }
 
-    /// A character of a text. In the TIA Portal for S7-1200 and S7-1500 one that the text does not have is no fault. Source: SCL reference, texts.
+    /// A character of a text. In the TIA Portal for S7-1200 and S7-1500 one that the text does not have causes no fault. Source: SCL reference, texts.
     fn character(
         &mut self,
         rules: Rules,

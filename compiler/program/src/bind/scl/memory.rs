@@ -397,32 +397,11 @@ fn moved(access: &Access, by: u32, at: u8) -> Option<Access> {
 pub fn elementary_at(access: &Access, by: u32, at: u8, ty: Elementary) -> Option<Access> {
     let mut moved = access.clone();
     moved.ty = DataType::Elementary(ty);
-    match &mut moved.base {
-        Base::Place(
-            Place::I { byte, bit }
-            | Place::Q { byte, bit }
-            | Place::M { byte, bit }
-            | Place::L { byte, bit }
-            | Place::OpenDb { byte, bit }
-            | Place::OpenDi { byte, bit }
-            | Place::Db { byte, bit, .. }
-            | Place::Instance { byte, bit }
-            | Place::Parameter { byte, bit, .. }
-            | Place::ThroughPointer { byte, bit, .. },
-        ) => {
-            *byte += by;
-            *bit = at;
-            Some(moved)
-        }
-        Base::Place(
-            Place::Pi { .. }
-            | Place::Pq { .. }
-            | Place::Indirect { .. }
-            | Place::Register { .. }
-            | Place::Element { .. },
-        )
-        | Base::Indexed { .. } => None,
-    }
+    let Base::Place(place) = &mut moved.base else { return None };
+    let (byte, bit) = place.position_mut()?;
+    *byte += by;
+    *bit = at;
+    Some(moved)
 }
 
 /// The whole of a complex variable as a value.
