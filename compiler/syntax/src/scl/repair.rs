@@ -6,7 +6,7 @@
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
-//!              around.rs: NAMESPACE, TYPE x : (a, b)
+//!              around.rs: NAMESPACE                enumerations.rs: TYPE x : INT (a, b)
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -16,6 +16,7 @@ mod around;
 mod cases;
 mod choices;
 mod declare;
+mod enumerations;
 mod foreign;
 mod heads;
 mod leave;
@@ -30,6 +31,7 @@ use std::collections::{HashMap, HashSet};
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
+use self::enumerations::Enumerations;
 use super::keyword::Keyword;
 use super::raw::{RawKind, RawText, RawToken};
 
@@ -117,6 +119,7 @@ struct Repair<'t> {
     with_hyphens: HashSet<String>,
     /// Names of sections that were reported; true: those of a section of the block.
     absent: HashMap<String, bool>,
+    enumerations: Enumerations,
     edits: Vec<Edit>,
     messages: Vec<Diagnostic>,
     /// The block is a data block.
@@ -153,6 +156,7 @@ impl<'t> Repair<'t> {
             declared: HashMap::new(),
             with_hyphens: HashSet::new(),
             absent: HashMap::new(),
+            enumerations: Enumerations::default(),
             edits: Vec::new(),
             messages: Vec::new(),
             data: false,
@@ -187,6 +191,7 @@ impl<'t> Repair<'t> {
                     self.note_late_section(token);
                     if !(self.commented_divisor(token)
                         || self.absent_use(token)
+                        || self.enumerated_value(token)
                         || self.foreign(token)
                         || self.hyphenated_use(token)
                         || self.repair_word(token)

@@ -1,17 +1,13 @@
-//! What stands around blocks in other languages and in software units: `NAMESPACE`, `USING`, data types that are lists of values.
+//! What stands around blocks in other languages and in software units: `NAMESPACE`, `USING`.
 
 use super::Repair;
-use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
-
-/// Values of a list that a message repeats.
-const SHOWN: usize = 2;
 
 impl Repair<'_> {
     /// What stands around a block, or in its place.
     pub(super) fn around_blocks(&mut self, token: RawToken) -> bool {
         let outside = !self.statements_begun && token.first_on_line && self.brackets.is_empty();
-        outside && (self.name_space(token) || self.choice_by_name(token))
+        outside && (self.name_space(token) || self.enumeration(token))
     }
 
     /// `NAMESPACE Plant.Line … END_NAMESPACE`, `USING Plant.Line;`
@@ -50,54 +46,6 @@ impl Repair<'_> {
         }
         let ends = self.beside(after).is_some_and(|next| next.kind == RawKind::Semicolon);
         self.drop_tokens(at, if ends { after + 1 } else { after });
-        self.statement = self.at;
-        true
-    }
-
-    /// `TYPE State : INT (Idle := 0, Run := 1); END_TYPE`
-    fn choice_by_name(&mut self, token: RawToken) -> bool {
-        let at = self.at;
-        if token.keyword != Some(Keyword::Type) {
-            return false;
-        }
-        let is_name = |kind| matches!(kind, Some(RawKind::Word | RawKind::Quoted));
-        let (name, colon) = (at + 1, at + 2);
-        if !is_name(self.kind(name)) || self.kind(colon) != Some(RawKind::Colon) {
-            return false;
-        }
-        // `TYPE State : (Idle, Run);` is read as INT with its header.
-        if self.kind(colon + 1) != Some(RawKind::Word) || self.keyword(colon + 1).is_some() {
-            return false;
-        }
-        let open = colon + 2;
-        if self.kind(open) != Some(RawKind::LeftParen) || !is_name(self.kind(open + 1)) {
-            return false;
-        }
-        let is_limit = |token: &RawToken| token.keyword.is_some_and(|word| word.begins_block() || word.ends_block());
-        let end = self.tokens[open..].iter().position(is_limit).map(|found| open + found);
-        let Some(end) = end.filter(|end| self.keyword(*end) == Some(Keyword::EndType)) else { return false };
-        let ty = self.words(colon + 1, colon + 1).to_owned();
-        let names = (open + 1..end).filter(|&index| {
-            is_name(self.kind(index)) && matches!(self.kind(index - 1), Some(RawKind::LeftParen | RawKind::Comma))
-        });
-        let constants: Vec<String> = names
-            .take(SHOWN)
-            .zip(0..)
-            .map(|(index, number)| {
-                let value = match (self.kind(index + 1), self.kind(index + 2)) {
-                    (Some(RawKind::Assign), Some(RawKind::Number)) => self.words(index + 2, index + 2).to_owned(),
-                    _ => format!("{number}"),
-                };
-                format!("{} : {ty} := {value};", self.words(index, index).trim_matches('"'))
-            })
-            .collect();
-        let help = format!(
-            "declare variables of type {ty}, and the values in VAR CONSTANT of the block, `{}`, or as user constants of a tag table",
-            constants.join(" ")
-        );
-        let title = "a data type cannot be a list of values".to_owned();
-        self.report(name, open, title, "a form of other languages", help);
-        self.drop_tokens(at, end + 1);
         self.statement = self.at;
         true
     }

@@ -307,7 +307,7 @@ impl Repair<'_> {
             self.area = if word.ends_block() { Area::Head } else { Area::Statements };
             return self.pass(token);
         }
-        if self.foreign_declaration(token) {
+        if self.foreign_declaration(token) || self.enumerated_start(token) {
             return;
         }
         match token.kind {

@@ -124,6 +124,6 @@ impl Repair<'_> {
 }
 
 /// A name without its signs, in upper case.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     name.trim_matches(['#', '"']).to_uppercase()
 }
