@@ -5,6 +5,7 @@
 //! - [`stl`]: labels, unreachable statements, timers and assignments in STL; [`tree`]: labels and unreachable statements in the other
 //!   languages.
 //! - [`endless`]: loops that nothing leaves.
+//! - [`branches`]: branches of IF in SCL whose condition an earlier branch has.
 //! - [`indices`]: loops that go beyond the bounds of an array.
 //! - [`division`]: divisions of whole numbers in SCL that become a REAL.
 //! - [`instances`]: IEC timers and counters in SCL that two calls share.
@@ -19,6 +20,7 @@
 //! - [`timers`]: IEC timers without a time.
 
 mod assigned;
+mod branches;
 mod division;
 mod endless;
 mod indices;
@@ -72,6 +74,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 if *language == Language::Scl {
                     endless::loops(&body.statements, &mut found);
                     let text = |span| program.globals.text(span);
+                    branches::review(&body.statements, &text, &mut found);
                     division::review(&body.statements, &text, &mut found);
                     instances::review(program, &body.statements, &mut found);
                     joined::review(&body.statements, &text, &mut found);
