@@ -137,8 +137,15 @@ impl Scope {
                 if let [(target, AssignOp::Set)] = targets.as_slice() {
                     self.truncated(target, value);
                 }
-                let kinds: Vec<Option<Ty>> = targets.iter_mut().map(|(target, _)| self.target(target)).collect();
+                let kinds: Vec<Option<Ty>> = targets.iter_mut().map(|(target, _)| self.typed(target)).collect();
                 let mut given = self.typed(value);
+                if let [(target, AssignOp::Set)] = targets.as_slice()
+                    && let Some(call) = texts::assignment(target, value)
+                {
+                    *kind = StatementKind::Expression(call);
+                    return;
+                }
+                targets.iter_mut().for_each(|(target, _)| texts::as_place(target));
                 if let Some(float) = kinds.iter().flatten().find(|kind| kind.is_float()) {
                     floats::of_bits(value, &mut given, float);
                 }
@@ -191,7 +198,7 @@ impl Scope {
         self.typed(value);
     }
 
-    /// As [`Scope::typed`], of what a statement assigns.
+    /// As [`Scope::typed`], of what a call assigns.
     fn target(&self, value: &mut Expr) -> Option<Ty> {
         let kind = self.typed(value);
         texts::as_place(value);
@@ -241,9 +248,9 @@ impl Scope {
                 return match kind {
                     Some(Ty::Array(element)) => Some(self.shared.types.resolved(*element)),
                     Some(text @ (Ty::Text | Ty::WideText)) if self.shared.editor == Editor::Codesys => {
-                        indices.iter_mut().for_each(texts::from_one);
+                        let [index] = indices.as_slice() else { return None };
                         let is_wide = text == Ty::WideText;
-                        value.kind = texts::as_number(value.clone(), is_wide);
+                        value.kind = texts::element((**base).clone(), index.clone(), is_wide, value.span);
                         Some(Ty::Of(if is_wide { Elementary::Word } else { Elementary::Byte }))
                     }
                     _ => None,
