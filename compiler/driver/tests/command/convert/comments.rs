@@ -1,0 +1,181 @@
+//! Where comments and regions are afterwards.
+
+use std::fs;
+
+use super::{plcc, text};
+
+#[test]
+fn regions_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    REGION Start values   // c\n    #n := 1;\n    \
+                  IF #n = 1 THEN\n        REGION inside\n        #n := 2;\n        END_REGION inside\n    END_IF;\n    \
+                  END_REGION\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.scl", "--to", "scl"]);
+    let words = |text: &str| text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+    let (found, wanted): (Vec<String>, Vec<String>) = (words(&text(&output.stdout)), words(source));
+    assert_eq!(found, wanted);
+    let xml = text(&plcc(folder, &["convert", "a.scl", "--to", "xml"]).stdout);
+    let lines = |part: &str| xml.lines().filter(|line| line.contains(part)).count();
+    assert_eq!((lines(" Text=\"REGION\"/>"), lines(" Text=\"END_REGION\"/>")), (2, 2), "{xml}");
+    assert_eq!((lines("\">Start values</Text>"), lines("\">inside</Text>")), (1, 2), "{xml}");
+    // STL and PLCopen XML have no regions.
+    for (notation, cpu) in [("stl", "s7-300"), ("plcopen", "s7-1200")] {
+        let output = plcc(folder, &["convert", "a.scl", "--to", notation, "--cpu", cpu]);
+        let found = format!("{}{}", text(&output.stdout), text(&output.stderr));
+        let lines = |part: &str| found.lines().filter(|line| line.contains(part)).count();
+        assert_eq!((lines("// REGION"), lines("// END_REGION")), (2, 2), "{found}");
+    }
+}
+
+/// A region that ends a network stays inside it.
+#[test]
+fn regions_of_networks_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "ORGANIZATION_BLOCK Main\n    { S7_Language := \"SCL\" }\n    NETWORK\n        REGION lamps\n        \
+                  %Q0.0 := TRUE;\n        END_REGION\n        // end\n    END_NETWORK\n    // between\n    \
+                  { S7_Language := \"SCL\" }\n    NETWORK\n        %Q0.1 := TRUE;\n    END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]);
+    assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
+}
+
+/// The comments, regions and pragmas of an export in XML are in what is made of it.
+#[test]
+fn comments_of_exports_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1200\nFUNCTION \"F\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    // first\n    REGION start\n    \
+                  #n := 1; // one\n    IF #n = 1 THEN\n        // inside\n        #n := 2;\n    END_IF;\n    END_REGION\n    // last\n\
+                  END_FUNCTION\n\nFUNCTION \"G\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    // other\n    #n := 1;\n\
+                  END_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let convert = |from: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, "--to", to]);
+        assert_eq!(output.status.code(), Some(0), "{from} to {to}: {}", text(&output.stderr));
+        text(&output.stdout).to_string()
+    };
+    let first = convert("a.scl", "xml");
+    fs::write(folder.join("a.xml"), &first).expect("the folder can be written");
+    assert_eq!(convert("a.xml", "xml"), first);
+    let words = |text: &str| {
+        let lines = text.lines().filter(|line| !line.trim().is_empty());
+        lines.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect::<Vec<_>>()
+    };
+    let scl = convert("a.xml", "scl");
+    assert_eq!(words(&scl), words(source));
+    // What stands at the end of a body is indented as its statements are.
+    assert!(scl.contains("\n    REGION start\n"), "{scl}");
+    assert!(scl.contains("\n    END_REGION\n    // last\nEND_FUNCTION\n"), "{scl}");
+    let stl = "FUNCTION \"F\" : VOID\nBEGIN\nNETWORK\n      SET; // one\n      // two\n      SAVE;\nEND_FUNCTION\n";
+    fs::write(folder.join("b.stl"), stl).expect("the folder can be written");
+    let first = convert("b.stl", "xml");
+    fs::write(folder.join("b.xml"), &first).expect("the folder can be written");
+    assert_eq!(convert("b.xml", "xml"), first);
+}
+
+/// Comments of a block and of a structure are not those of the variable after them.
+#[test]
+fn comments_of_structures_stay_with_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "TYPE \"T\"\nVERSION : 0.1\n//about T\n   STRUCT\n      a : Int;   // of a\n      // above the limits\n      \
+                  limits : Struct   // of the limits\n         low : Int;\n         high : Int;   // of high\n      \
+                  END_STRUCT;\n   END_STRUCT;\nEND_TYPE\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    for to in ["xml", "plcopen"] {
+        let made = plcc(folder, &["convert", "a.scl", "--to", to, "--cpu", "1511-1", "-o", "a.xml"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+        let member = if to == "xml" { "<Member Name=\"" } else { "<variable name=\"" };
+        let of = |name: &str| {
+            let at = document.find(&format!("{member}{name}\"")).unwrap_or_else(|| panic!("{name} in\n{document}"));
+            let rest = &document[at + member.len()..];
+            &rest[..rest.find(member).unwrap_or(rest.len())]
+        };
+        assert!(!of("low").contains("limits") && of("high").contains("of high"), "{document}");
+        for comment in ["about T", "of a", "above the limits", "of the limits", "of high"] {
+            assert_eq!(document.matches(comment).count(), 1, "{comment} in\n{document}");
+        }
+        assert!(!of("a").contains("about T"), "{document}");
+    }
+}
+
+/// Comments of statements in an export are in the project as those of a source are.
+#[test]
+fn comments_of_exports_reach_projects() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1200\nFUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    n : Int;   // of n\nEND_VAR\nBEGIN\n    // first\n    \
+                  REGION start\n    #n := 1; // one\n    //@ assert #n == 1\n    IF #n = 1 THEN\n        // inside\n        #n := 2;\n    \
+                  END_IF;\n    END_REGION\n    // last\nEND_FUNCTION_BLOCK\nORGANIZATION_BLOCK \"Main\"\nBEGIN\n    // call it\n    \
+                  \"F_DB\"();\nEND_ORGANIZATION_BLOCK\nDATA_BLOCK \"F_DB\" \"F\"\nBEGIN\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("c.scl"), source).expect("the folder can be written");
+    let convert = |from: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, "--to", to, "--cpu", "1214C"]);
+        assert_eq!(output.status.code(), Some(0), "{from} to {to}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let project = convert("c.scl", "plcopen");
+    for comment in ["// first", "// REGION start", "// one", "// inside", "// last", "// call it", ">of n<"] {
+        assert_eq!(project.matches(comment).count(), 1, "{comment} in\n{project}");
+    }
+    fs::write(folder.join("c.xml"), convert("c.scl", "xml")).expect("the folder can be written");
+    assert_eq!(convert("c.xml", "plcopen"), project);
+    // From there they come back into the block, although its data block is written first.
+    fs::write(folder.join("p.xml"), &project).expect("the folder can be written");
+    let scl = convert("p.xml", "scl");
+    let body = scl.split("FUNCTION_BLOCK \"F\"").nth(1).and_then(|rest| rest.split("END_FUNCTION_BLOCK").next());
+    for comment in ["// first", "// REGION start", "// one", "// inside", "// last"] {
+        assert!(body.is_some_and(|body| body.contains(comment)), "{comment} in\n{scl}");
+        assert_eq!(scl.matches(comment).count(), 1, "{comment} in\n{scl}");
+    }
+    // Also by way of an export.
+    fs::write(folder.join("q.xml"), convert("p.xml", "xml")).expect("the folder can be written");
+    let scl = convert("q.xml", "scl");
+    for comment in ["// first", "// REGION start", "// one", "// inside", "// last"] {
+        assert_eq!(scl.matches(comment).count(), 1, "{comment} in\n{scl}");
+    }
+}
+
+/// What follows the last statement is still in the block, also where that has no header.
+#[test]
+fn comments_at_the_end_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let plain = "      SET\n      =     M 0.0\n//@ assert M 0.0 == 1\n// the end\n";
+    let framed = "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      SET\n      =     M 0.0\n//@ assert M 0.0 == 1\n\
+                  END_ORGANIZATION_BLOCK\n// the end\n";
+    for (name, source) in [("plain", plain), ("framed", framed)] {
+        fs::write(folder.join(format!("{name}.stl")), source).expect("the folder can be written");
+        for (to, extension) in [("xml", "xml"), ("lad", "s7dcl"), ("fbd", "s7dcl"), ("stl", "stl")] {
+            let made = format!("{name}-{to}.{extension}");
+            let output = plcc(folder, &["convert", &format!("{name}.stl"), "--to", to, "-o", &made]);
+            assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+            let written = fs::read_to_string(folder.join(&made)).expect("it is written");
+            assert!(written.contains("the end"), "{written}");
+            let tested = plcc(folder, &["test", &made, "--cpu", "315-2DP"]);
+            let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+            assert!(said.contains("1 passed, 0 failed"), "{said}{written}");
+        }
+    }
+}
+
+/// The comment of a network is in the texts of the networks, and not once more before it.
+#[test]
+fn comments_of_networks_are_written_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nTITLE = lamps\n// both\n      A     I 0.0;\n      // inside\n      =     Q 0.0;\n\
+                  NETWORK\n// both\n      A     I 0.1;\n      =     Q 0.1;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.stl", "--to", "lad", "-o", "a.s7dcl"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("it is written");
+    let (networks, texts) = (read("a.s7dcl"), read("a.s7res"));
+    let count = |text: &str, part: &str| text.matches(part).count();
+    assert_eq!((count(&networks, "both"), count(&networks, "// inside")), (0, 1), "{networks}");
+    assert_eq!((count(&networks, "S7_NetworkComment"), count(&texts, "both")), (2, 2), "{networks}\n{texts}");
+}

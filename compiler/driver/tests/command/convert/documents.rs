@@ -1,0 +1,243 @@
+//! Documents of SIMATIC SD, and networks made of statements.
+
+use std::fs;
+
+use super::{plcc, text};
+
+/// Elements are spelt as their author did, and pins that nothing is connected to are shown.
+#[test]
+fn documents_come_back_as_they_were() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK Line\n    VAR_INPUT\n        a, b : Bool;            // of both\n    END_VAR\n    \
+                  VAR\n        one, \"two 2\", \"IF\" : Int := 5;\n        t : TON_TIME;\n    END_VAR\n    \
+                  { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  Contact( #a )  { S7_Templates := \"time_type := Time\" }  #t.TON( pt := T#2s, et => )  \
+                  Coil( #b )  END_RUNG\n        \
+                  RUNG wire#powerrail  Contact( #b )  S_CU( counter := %C3, pv := C#12, r := #a, cv => %MW12, cv_bcd => )  \
+                  I_Coil( #b )  END_RUNG\n    END_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]);
+    assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
+    let source = "FUNCTION_BLOCK Gates\n    VAR\n        left, right : _.Valve;\n        osc : TON_TIME;\n        e, t : Bool;\n    \
+                  END_VAR\n    { S7_Language := \"FBD\" }\n    NETWORK\n        RUNG #e  A()  S_Coil( #t )  END_RUNG\n        \
+                  RUNG #t  { S7_Templates := \"time_type := Time\" }  NOT  #osc.TON( pt := T#1s, et => )  Coil( #t )  END_RUNG\n        \
+                  RUNG #t  P_Coil( operand := #e, bit := %M0.0 )  END_RUNG\n        \
+                  RUNG #t  A()  Inc( %MW2 )  Return( #t )  END_RUNG\n    END_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("gates.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "gates.s7dcl", "--to", "sd"]);
+    assert_eq!(text(&output.stdout), source, "{}", text(&output.stderr));
+    // Gates have names of their own: a comparison is spelt as in the language that it is drawn in.
+    let source = "FUNCTION F : Void\n    VAR_INPUT\n        a, b : Int;\n    END_VAR\n    \
+                  { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  { S7_Templates := \"SrcType := Int\" }  GT_Contact( in1 := #a, in2 := #b )  \
+                  Coil( %Q0.0 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("b.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "b.s7dcl", "--to", "fbd"]);
+    let found = text(&output.stdout);
+    assert!(found.contains(" GT( in1 := #a, in2 := #b )") && found.contains("a, b : Int;"), "{found}");
+}
+
+/// The number decides when an organization block with a name of its own runs.
+#[test]
+fn numbers_of_documents_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "{ S7_BlockNumber := \"35\"; S7_Version := \"0.1\" }\nORGANIZATION_BLOCK Control\n    \
+                  { S7_Language := \"LAD\" }\n    NETWORK\n        RUNG wire#powerrail  Contact( %I0.0 )  Coil( %Q0.0 )  END_RUNG\n    \
+                  END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "--cpu", "315-2DP", "-o", "b.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let list = fs::read_to_string(folder.join("b.stl")).expect("it is written");
+    assert!(list.contains("{ S7_BlockNumber := '35' }\n"), "{list}");
+    let main = "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      SET;\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("main.stl"), main).expect("the folder can be written");
+    let found = plcc(folder, &["xref", "b.stl", "main.stl", "--cpu", "315-2DP"]);
+    let found = format!("{}{}", text(&found.stdout), text(&found.stderr));
+    assert!(found.contains("OB35 (Control)"), "{found}");
+}
+
+/// Names of parameters with blanks are in quotes.
+#[test]
+fn parameters_of_blocks_have_any_names() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION F : Void\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  \"Other FC\"( \"a b\" := 1, \"c/d\" => %MW2, e := %MW4 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout), source);
+    // Words of the language are names in quotes, as their author wrote them.
+    let source = "FUNCTION \"F\" : VOID\nVAR_INPUT\n    \"END\" : INT;\n    \"Größe\" : INT;\n    Länge : INT;\nEND_VAR\nBEGIN\n    \
+                  \"DB 1\".\"a b\"[#\"END\"].\"if\" := #\"Größe\" + #Länge;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "a.scl", "--to", "scl"]).stdout), source);
+    let source = "DATA_BLOCK \"D\"\nSTRUCT\n    \"IF\" : INT;\n    x : STRUCT\n        \"FOR\" : INT;\n    END_STRUCT;\nEND_STRUCT;\n\
+                  BEGIN\n    \"IF\" := 5;\n    x.\"FOR\" := 6;\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("d.scl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "d.scl", "--to", "scl"]).stdout), source);
+    // XML has no quotes.
+    plcc(folder, &["convert", "d.scl", "--to", "xml", "--cpu", "s7-1500", "-o", "d.xml"]);
+    let found = text(&plcc(folder, &["convert", "d.xml", "--to", "scl"]).stdout);
+    assert!(found.contains("\n    \"IF\" : INT") && found.contains("\n        \"FOR\" : INT"), "{found}");
+}
+
+/// `"tag":P` is an input or output itself, not a tag with this name.
+#[test]
+fn direct_access_stays_direct() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let scl = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    x : BOOL;\nEND_VAR\nBEGIN\n    #x := \"Tag\":P;\n    \
+               #x := \"Motor\".run:P;\n    \"Out\":P := #x;\nEND_FUNCTION\n";
+    let ladder = "FUNCTION F : Void\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  Contact( \"Tag\":P )  Coil( \"Motor\".run:P )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), scl).expect("the folder can be written");
+    fs::write(folder.join("b.s7dcl"), ladder).expect("the folder can be written");
+    let convert = |name: &str, to: &str| {
+        let output = plcc(folder, &["convert", name, "--to", to]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    assert_eq!(convert("a.scl", "scl"), scl);
+    assert_eq!(convert("b.s7dcl", "sd"), ladder);
+    for (name, back) in [("a.scl", "scl"), ("b.s7dcl", "sd")] {
+        let document = convert(name, "xml");
+        for component in ["Tag", "run"] {
+            let wanted = format!("<Component Name=\"{component}\" SimpleAccessModifier=\"Periphery\"/>");
+            assert!(document.contains(&wanted), "{wanted} in\n{document}");
+        }
+        fs::write(folder.join("c.xml"), document).expect("the folder can be written");
+        let again = convert("c.xml", back);
+        assert!(again.contains("\"Tag\":P") && again.contains("\"Motor\".run:P"), "{again}");
+    }
+    let list = convert("b.s7dcl", "stl");
+    assert!(list.contains("A     \"Tag\":P;") && list.contains("=     \"Motor\".run:P;"), "{list}");
+}
+
+/// In LAD and FBD assertions stand between networks: a network of STL with assertions among its statements is divided.
+#[test]
+fn assertions_divide_networks() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu 315-2DP\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\nTITLE =two values\n      L     W#16#1234\n      T     MW 10\n\
+                  //@ assert MB 10 == B#16#12\n//@ assert MB 11 == B#16#34\n      AN    M 20.0\n      =     M 20.1\n      =     M 20.2\n\
+                  //@ assert MB 20 == B#16#06\n// the end\n      SET\n      S     M 30.0\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    for to in ["lad", "fbd"] {
+        let name = format!("{to}.s7dcl");
+        let made = plcc(folder, &["convert", "a.stl", "--to", to, "-o", &name]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let tested = plcc(folder, &["test", &name]);
+        let written = fs::read_to_string(folder.join(&name)).expect("it is written");
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("3 passed, 0 failed"), "{said}{written}");
+        assert_eq!(written.matches("S7_NetworkTitle").count(), 1, "{written}");
+    }
+    // The signal goes on after the assertion.
+    fs::write(folder.join("b.stl"), source.replace("      SET\n", "")).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "b.stl", "--to", "lad", "-o", "b.s7dcl"]);
+    assert!(text(&made.stderr).contains("stands inside its network"), "{}", text(&made.stderr));
+    // Networks have no registers.
+    fs::write(folder.join("c.stl"), source.replace("MB 20 == B#16#06", "STW.RLO == 1"))
+        .expect("the folder can be written");
+    let made = plcc(folder, &["convert", "c.stl", "--to", "fbd", "-o", "c.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(text(&made.stderr).contains("this assertion checks a register"), "{}", text(&made.stderr));
+}
+
+/// The forms in which a counter has its value, and a flip-flop its operand.
+#[test]
+fn counters_and_flip_flops_have_their_usual_form() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "      A     M 1.0\n      L     C#10\n      S     C 1\n      A     M 1.1\n      S     M 2.0\n      \
+                  A     M 1.2\n      R     M 2.0\n      A     M 2.0\n      =     M 2.1\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "lad", "-o", "a.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let drawn = fs::read_to_string(folder.join("a.s7dcl")).expect("it is written");
+    for found in ["SC_Coil( counter := %C1, pv := C#10 )", "S_SR( operand := %M2.0, r1 := "] {
+        assert!(drawn.contains(found), "{found} in\n{drawn}");
+    }
+    let list = text(&plcc(folder, &["convert", "a.s7dcl", "--to", "stl"]).stdout);
+    assert!(list.contains("      L     C#10;\n      S     C 1;\n"), "{list}");
+}
+
+/// A number at a LREAL stays a LREAL; with more digits than a constant of a statement has, it is refused.
+#[test]
+fn long_numbers_in_networks() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nFUNCTION \"Take\" : VOID\nVAR_INPUT\n  share : LREAL; ratio : REAL;\nEND_VAR\nBEGIN\n\
+                  END_FUNCTION\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n\
+                  \x20     CALL  \"Take\" (share := 0.1, ratio := 0.1);\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "lad"]);
+    let written = text(&made.stdout);
+    assert!(written.contains("share := LREAL#0.1, ratio := REAL#0.1"), "{written}{}", text(&made.stderr));
+    fs::write(folder.join("b.stl"), source.replace("0.1,", "0.123456789,")).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "b.stl", "--to", "lad"]);
+    assert_eq!(made.status.code(), Some(3), "{}", text(&made.stdout));
+    assert!(text(&made.stderr).contains("more than six digits at a LREAL"), "{}", text(&made.stderr));
+}
+
+/// A document of SIMATIC SD comes back as the same text up to white space, with types in the letters of its author.
+#[test]
+fn types_keep_the_letters_of_their_author() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = r#"TYPE
+    Point : STRUCT
+        x : Array[0..15] of Bool;
+        name : String[8];
+    END_STRUCT;
+END_TYPE
+
+FUNCTION_BLOCK Lamp
+    VAR_INPUT
+        start : Bool;
+        place : Point;
+        wait : TON_TIME;
+        names : Array[0..3] of String[8];
+    END_VAR
+    { S7_Language := "LAD" }
+    NETWORK
+        RUNG wire#powerrail  Contact( #start )  Coil( %Q0.0 )  END_RUNG
+    END_NETWORK
+END_FUNCTION_BLOCK
+
+DATA_BLOCK Lamp_DB : Lamp
+END_DATA_BLOCK
+
+FUNCTION Nothing : Void
+    { S7_Language := "FBD" }
+    NETWORK
+        RUNG %I0.0  Coil( %Q0.1 )  END_RUNG
+    END_NETWORK
+END_FUNCTION
+"#;
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let written = text(&made.stdout);
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(words(&written), words(source), "{written}");
+    // Names of types in other sources have the letters of the TIA Portal.
+    let stl = "FUNCTION FC 1 : VOID\nVAR_TEMP\n  n : DINT; t : ARRAY [0..3] OF WORD;\nEND_VAR\nBEGIN\nNETWORK\n      SET\n      =     M 0.0\n\
+               END_FUNCTION\n";
+    fs::write(folder.join("b.stl"), stl).expect("the folder can be written");
+    let written = text(&plcc(folder, &["convert", "b.stl", "--to", "lad"]).stdout);
+    assert!(written.contains("n : DInt;") && written.contains("t : Array[0..3] of Word;"), "{written}");
+}
+
+/// What to do first with a block that is not in networks depends on its language.
+#[test]
+fn blocks_without_networks_say_what_comes_first() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), "FUNCTION \"F\" : VOID\nBEGIN\n  RETURN;\nEND_FUNCTION\n").expect("a file");
+    let output = plcc(folder, &["convert", "a.scl", "--to", "lad"]);
+    assert_eq!(output.status.code(), Some(3));
+    let said = text(&output.stderr);
+    assert!(said.contains("write it with `--to stl` first, and that with `--to lad`"), "{said}");
+}

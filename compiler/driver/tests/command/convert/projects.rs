@@ -1,0 +1,108 @@
+//! Projects in PLCopen XML, and what becomes of their ST and IL.
+
+use std::fs;
+use std::path::Path;
+
+use super::{expect, plcc, programs, text};
+
+/// A function of a project has its result at a pin with its own name.
+#[test]
+fn results_of_functions_of_projects_are_ret_val() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/result-by-name");
+    let project = project.display().to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &project, "--to", "stl", "-o", "made/", "--cpu", "s7-1500"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let list = fs::read_to_string(folder.join("made/project.stl")).expect("it is written");
+    assert!(list.contains("RET_VAL :="), "{list}");
+    let checked = plcc(folder, &["check", "made", "--cpu", "s7-1500"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
+/// `S` of an instruction list assigns TRUE: what is made of a project is not what stands at its places.
+#[test]
+fn instruction_lists_of_projects_become_xml() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/instruction-list");
+    let project = project.display().to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &project, "--to", "xml", "-o", "made/"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let document = fs::read_to_string(folder.join("made/project.xml")).expect("it is written");
+    assert!(document.contains("<ConstantValue>TRUE</ConstantValue>") && !document.contains("Text=\"S\""), "{document}");
+    let checked = plcc(folder, &["check", "made"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
+/// A quote in a text, which XML writes as `&apos;`.
+#[test]
+fn texts_with_quotes_come_back_from_projects() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION \"F\" : Void\nVAR_TEMP\n  t : String[20];\nEND_VAR\nBEGIN\n  \
+                  #t := CONCAT(IN1 := 'It$'s ', IN2 := 'on');\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "plcopen", "--cpu", "1511-1", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    assert!(back.contains("CONCAT(IN1 := 'It$'s ', IN2 := 'on')"), "{back}");
+}
+
+/// LAD, SCL, data blocks and tags as one project, with what the format does not have.
+#[test]
+fn a_program_becomes_one_project_of_plcopen() {
+    expect(&["convert", "filler", "--to", "plcopen"], "filler.plcopen");
+}
+
+#[test]
+fn what_plcopen_does_not_have_is_refused_with_its_line() {
+    let output = plcc(&programs(), &["convert", "startup.scl", "--to", "plcopen"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(output.stdout.is_empty(), "nothing is written");
+    let path = programs().join("startup.plcopen");
+    let found = text(&output.stderr);
+    if std::env::var_os("UPDATE_EXPECT").is_some_and(|value| value != "0") {
+        fs::write(&path, &found).expect("the tree can be written");
+    }
+    assert_eq!(found, fs::read_to_string(&path).unwrap_or_default(), "UPDATE_EXPECT=1 renews it; read the diff");
+}
+
+/// Blocks in ST with their comments, and beside them the variables that have addresses; other languages are left out.
+#[test]
+fn st_of_plcopen_becomes_scl() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let output = folder.path().join("bottles.scl");
+    let written = plcc(&programs(), &["convert", "bottles.xml", "--to", "scl", "-o", &output.to_string_lossy()]);
+    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    let read = |path: &Path| fs::read_to_string(path).expect("plcc has written it");
+    let found = format!("{}{}{}", text(&written.stderr), read(&output), read(&output.with_extension("sdf")));
+    let path = programs().join("bottles.scl.expected");
+    if std::env::var_os("UPDATE_EXPECT").is_some_and(|value| value != "0") {
+        fs::write(&path, &found).expect("the tree can be written");
+    }
+    assert_eq!(found, fs::read_to_string(&path).unwrap_or_default(), "UPDATE_EXPECT=1 renews it; read the diff");
+    let printed = plcc(&programs(), &["convert", "bottles.xml", "--to", "scl"]);
+    assert_eq!(printed.status.code(), Some(2));
+    assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
+}
+
+/// What their assertions say of projects in ST and IL holds for the sources in SCL.
+#[test]
+fn st_of_plcopen_does_the_same_as_scl() {
+    for (name, assertions) in [("words", 25), ("instruction-list", 11)] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen").join(name);
+        let settings = fs::read_to_string(project.join("plc.toml")).expect("it is there");
+        let settings = settings.replace("project.xml", "project.scl");
+        fs::write(folder.path().join("plc.toml"), settings).expect("the folder can be written");
+        let (from, to) = (project.join("project.xml"), folder.path().join("project.scl"));
+        let arguments =
+            ["convert", &from.to_string_lossy(), "--to", "scl", "-o", &to.to_string_lossy()].map(String::from);
+        let written = plcc(folder.path(), &arguments.each_ref().map(String::as_str));
+        assert_eq!(written.status.code(), Some(0), "{name}: {}", text(&written.stderr));
+        let tested = plcc(folder.path(), &["test", "."]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains(&format!("{assertions} passed, 0 failed")), "{name}: {said}");
+    }
+}

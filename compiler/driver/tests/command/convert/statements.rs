@@ -1,0 +1,108 @@
+//! Statements of STL and of the S7-200.
+
+use std::fs;
+use std::path::Path;
+
+use super::{expect, plcc, programs, text};
+
+#[test]
+fn sources_of_the_s7_200_have_both_mnemonics() {
+    expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let german = programs().join("press.german");
+    fs::copy(german, folder.path().join("main.awl")).expect("the folder can be written");
+    let back = plcc(folder.path(), &["convert", "main.awl", "--to", "awl", "--mnemonics", "en"]);
+    let source = fs::read_to_string(programs().join("press/main.awl")).expect("it is there");
+    assert_eq!(text(&back.stdout), source);
+}
+
+#[test]
+fn other_notations_of_the_s7_200_are_refused_with_what_to_do() {
+    for (to, says) in [("lad", "`plcc view` draws them"), ("stl", "--report s7-1200")] {
+        let output = plcc(&programs(), &["convert", "press", "--to", to]);
+        assert_eq!(output.status.code(), Some(3));
+        assert!(text(&output.stderr).contains(says), "{}", text(&output.stderr));
+        assert!(output.stdout.is_empty());
+    }
+    let output = plcc(&programs(), &["convert", "packer", "--to", "awl"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("only sources of the S7-200"), "{}", text(&output.stderr));
+}
+
+/// Statements of STL have no steps.
+#[test]
+fn charts_are_refused_as_stl() {
+    let chart = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/graph/activation_order.gr7");
+    let output = plcc(&programs(), &["convert", &chart.to_string_lossy(), "--to", "stl"]);
+    assert_eq!(output.status.code(), Some(3));
+    assert!(text(&output.stderr).contains("STL has no form for a chart of GRAPH"), "{}", text(&output.stderr));
+}
+
+/// `SE` starts an on-delay in one set and an extended pulse in the other.
+#[test]
+fn a_source_that_does_not_show_its_mnemonics_has_those_of_the_others() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let write = |name: &str, source: &str| fs::write(folder.join(name), source).expect("the folder can be written");
+    let delay = "      O     M 0.0\n      L     S5T#1S\n      SE    T 1\n";
+    write("delay.awl", &format!("FUNCTION FC 2 : VOID\nBEGIN\n{delay}END_FUNCTION\n"));
+    let main = |set: &str, and: &str, status: u8| {
+        let code = "      SET\n      =     M 0.0\n      UC    FC 2\n";
+        let check = format!("      {and}     T 1\n//@ assert STW.RLO == {status}\n");
+        write("main.awl", &format!("ORGANIZATION_BLOCK OB 1\nBEGIN\n{code}{check}END_ORGANIZATION_BLOCK\n"));
+        let output = plcc(folder, &["test", "main.awl", "delay.awl"]);
+        assert_eq!(output.status.code(), Some(0), "{set}: {}{}", text(&output.stdout), text(&output.stderr));
+    };
+    main("German", "U", 0);
+    main("international", "A", 1);
+}
+
+/// The CPU that a source names in a pragma decides what its statements mean, as it does for `plcc test`.
+#[test]
+fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nORGANIZATION_BLOCK \"Main\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_TEMP\n  w : Word;\n  \
+                  i : Int;\n  d : DInt;\nEND_VAR\nBEGIN\n  #w := 16#FFFF;\n  #i := 1;\n  #d := #w + #i;\n  //@ assert #d == L#65536\n\
+                  END_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.stl"]);
+    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+    // Without a pragma a source of the TIA Portal is for an S7-1500, as `plcc test` takes it.
+    fs::write(folder.join("c.scl"), source.replace("//@ cpu s7-1500\n", "")).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "c.scl", "--to", "stl", "-o", "c.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    for name in ["c.scl", "c.stl"] {
+        let tested = plcc(folder, &["test", name]);
+        assert_eq!(tested.status.code(), Some(0), "{name}: {}{}", text(&tested.stdout), text(&tested.stderr));
+    }
+    // An S7-1200 has no STL.
+    fs::write(folder.join("b.scl"), source.replace("s7-1500", "1214C")).expect("the folder can be written");
+    let refused = plcc(folder, &["convert", "b.scl", "--to", "stl"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stdout));
+    assert!(text(&refused.stderr).contains("S7-1200"), "{}", text(&refused.stderr));
+}
+
+#[test]
+fn scl_as_stl_does_the_same() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for name in ["average.scl", "calls.stl"] {
+        fs::copy(programs().join(name), folder.join(name)).expect("the folder can be written");
+    }
+    let before = plcc(folder, &["test", "average.scl", "calls.stl"]);
+    assert_eq!(before.status.code(), Some(0), "{}{}", text(&before.stdout), text(&before.stderr));
+    let made = plcc(folder, &["convert", "average.scl", "--to", "stl", "-o", "average.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let written = fs::read_to_string(folder.join("average.stl")).expect("it was written");
+    assert!(written.contains("NETWORK") && !written.contains("END_FOR"), "{written}");
+    let after = plcc(folder, &["test", "average.stl", "calls.stl"]);
+    assert_eq!(after.status.code(), Some(0), "{}{}", text(&after.stdout), text(&after.stderr));
+    // The test can fail.
+    let wrong = written.replace("+D", "-D");
+    assert_ne!(wrong, written);
+    fs::write(folder.join("average.stl"), wrong).expect("the folder can be written");
+    assert_eq!(plcc(folder, &["test", "average.stl", "calls.stl"]).status.code(), Some(1));
+}

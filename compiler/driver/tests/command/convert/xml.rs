@@ -1,0 +1,250 @@
+//! XML of the TIA Portal.
+
+use std::fs;
+use std::path::Path;
+
+use super::{plcc, text};
+
+/// Blocks and data types of the CPU and the libraries, whose sources are not available, and their start values.
+#[test]
+fn blocks_of_the_system_become_xml() {
+    const SCL: &str = r#"//@ cpu s7-1500
+DATA_BLOCK "Link" TCON_IP_v4
+BEGIN
+  InterfaceId := 64;
+  RemoteAddress.ADDR[1] := 192;
+  RemotePort := 502;
+END_DATA_BLOCK
+DATA_BLOCK "Level" CONT_C
+BEGIN
+  GAIN := 3.0;
+END_DATA_BLOCK
+FUNCTION_BLOCK "Plant"
+{ S7_Optimized_Access := 'TRUE' }
+VERSION : 0.1
+VAR
+  zone : TimeTransformationRule := (Bias := 60, TimeZoneName := 'here');
+  loops : Array[0..1] of CONT_C := [(TI := T#5s), (TI := T#6s)];
+END_VAR
+BEGIN
+  //@ assert #zone.Bias == 60
+  //@ assert #zone.TimeZoneName == 'here'
+  //@ assert #loops[0].TI == T#5s
+  //@ assert #loops[1].TI == T#6s
+  //@ assert #loops[1].GAIN == 2.0
+END_FUNCTION_BLOCK
+DATA_BLOCK "Plant_DB" "Plant"
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK "Main"
+BEGIN
+  "Plant_DB"();
+  //@ assert "Link".RemoteAddress.ADDR[1] == 192
+  //@ assert "Link".RemotePort == 502
+  //@ assert "Link".ConnectionType == 11
+  //@ assert "Level".GAIN == 3.0
+END_ORGANIZATION_BLOCK
+"#;
+    const STL: &str = r#"FUNCTION_BLOCK FB 1
+VAR
+  wait : SFB 4;
+  level : FB 41;
+END_VAR
+BEGIN
+NETWORK
+      CALL #wait (IN := M 0.0, PT := T#1S, Q := M 0.1);
+      CALL #level (GAIN := 3.0);
+END_FUNCTION_BLOCK
+DATA_BLOCK DB 1 FB 1
+BEGIN
+END_DATA_BLOCK
+DATA_BLOCK DB 4 SFB 4
+BEGIN
+  PT := T#2S;
+END_DATA_BLOCK
+ORGANIZATION_BLOCK OB 1
+BEGIN
+NETWORK
+//@ assert DB4.DBD2 == 2000
+      CALL FB 1, DB 1;
+//@ assert DB1.level.GAIN == 3.0
+      CALL SFB 4, DB 4 (IN := M 0.0, PT := T#3S, Q := M 0.1);
+      CALL TON, DB 4 (IN := M 0.0, PT := T#3S, Q := M 0.1);
+      CALL SFC 64 (RET_VAL := MD 10);
+      CALL TIME_TCK (RET_VAL := MD 10);
+      CALL FC 105 (IN := 27648, HI_LIM := 10.0, LO_LIM := 0.0, BIPOLAR := FALSE, RET_VAL := MW 20, OUT := MD 24);
+//@ assert MD24 == 10.0
+      BE;
+END_ORGANIZATION_BLOCK
+"#;
+    for (name, source, set) in [("a.scl", SCL, "9 passed, 0 failed"), ("b.stl", STL, "3 passed, 0 failed")] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        fs::write(folder.path().join(name), source).expect("the folder can be written");
+        let made = plcc(folder.path(), &["convert", name, "--to", "xml", "-o", "made.xml"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let cpu = if name == "a.scl" { "1511-1" } else { "315-2DP" };
+        let tested = plcc(folder.path(), &["test", "made.xml", "--cpu", cpu]);
+        let document = fs::read_to_string(folder.path().join("made.xml")).expect("it is written");
+        assert!(text(&tested.stdout).contains(set), "{}{}{document}", text(&tested.stdout), text(&tested.stderr));
+    }
+    // A block with this number may be another one.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write("a.stl", "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n      CALL FC 105;\nEND_FUNCTION\n");
+    write("a.sdf", "\"Motor\",\"FC 105\",\"FC 105\",\"\"\n");
+    let made = plcc(folder.path(), &["convert", "a.stl", "a.sdf", "--to", "xml"]);
+    assert_eq!(made.status.code(), Some(3), "{}", text(&made.stdout));
+    assert!(text(&made.stderr).contains("FC 105 has no name"), "{}", text(&made.stderr));
+}
+
+/// A block that the source numbers and the symbol table names has that name in XML: calls and operands use it.
+#[test]
+fn numbered_blocks_become_xml_with_the_names_of_their_symbols() {
+    const BLOCKS: &str = r#"FUNCTION_BLOCK FB 10
+VAR_INPUT
+  n : INT;
+END_VAR
+VAR_OUTPUT
+  m : INT;
+END_VAR
+BEGIN
+NETWORK
+      L     #n;
+      T     #m;
+END_FUNCTION_BLOCK
+FUNCTION FC 5 : VOID
+VAR_INPUT
+  n : INT;
+END_VAR
+BEGIN
+NETWORK
+      L     #n;
+      T     MW 10;
+END_FUNCTION
+FUNCTION FC 6 : VOID
+BEGIN
+NETWORK
+      CALL FB 10, DB 10 (n := 1);
+      CALL FC 5 (n := DB10.DBW 2);
+END_FUNCTION
+DATA_BLOCK DB 10 FB 10
+BEGIN
+END_DATA_BLOCK
+"#;
+    const MAIN: &str = r#"{ S7_BlockNumber := "1"; S7_PreferredLanguage := "LAD" }
+ORGANIZATION_BLOCK Main
+    VAR_TEMP
+        k : Int;
+    END_VAR
+    { S7_Language := "LAD" }
+    NETWORK
+        RUNG wire#powerrail  Contact( %I0.0 )  "Motor_DB"( n := 3, m => #k )  "Calc"( n := #k )  "Both"()  END_RUNG
+    END_NETWORK
+END_ORGANIZATION_BLOCK
+"#;
+    const SYMBOLS: &str = "\"Motor\",\"FB 10\",\"FB 10\",\"\"\n\"Motor_DB\",\"DB 10\",\"FB 10\",\"\"\n\"Calc\",\"FC 5\",\"FC 5\",\"\"\n\
+                           \"Both\",\"FC 6\",\"FC 6\",\"\"\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::create_dir(folder.join("plant")).expect("the folder can be made");
+    for (name, text) in [("blocks.stl", BLOCKS), ("main.s7dcl", MAIN), ("symbols.sdf", SYMBOLS)] {
+        fs::write(folder.join("plant").join(name), text).expect("the folder can be written");
+    }
+    let made = plcc(folder, &["convert", "plant", "--to", "xml", "-o", "made/", "--cpu", "315-2DP"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let read = |name: &str| fs::read_to_string(folder.join("made").join(name)).expect("it is written");
+    let (blocks, main) = (read("blocks.xml"), read("main.xml"));
+    for found in ["<Name>Motor</Name>", "<Name>Motor_DB</Name>", "<Name>Calc</Name>", "<Number>10</Number>"] {
+        assert!(blocks.contains(found), "{found} in\n{blocks}");
+    }
+    assert!(blocks.contains("<InstanceOfName>Motor</InstanceOfName>"), "{blocks}");
+    assert!(!blocks.contains("FB_10") && !blocks.contains("FC_5"), "{blocks}");
+    for found in [r#"<CallInfo Name="Motor" BlockType="FB">"#, r#"<CallInfo Name="Calc" BlockType="FC">"#] {
+        assert!(main.contains(found), "{found} in\n{main}");
+    }
+    let checked = plcc(folder, &["check", "made", "--cpu", "315-2DP"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+
+    // In STL a call names the function block and its data block.
+    let made = plcc(folder, &["convert", "plant", "--to", "stl", "-o", "list/", "--cpu", "315-2DP"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let main = fs::read_to_string(folder.join("list/main.stl")).expect("it is written");
+    assert!(main.contains("CALL  FB 10, \"Motor_DB\" ("), "{main}");
+    let checked = plcc(folder, &["check", "list", "--cpu", "315-2DP"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
+/// Start values of all types that STL has constants of.
+#[test]
+fn start_values_of_stl_become_xml() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "DATA_BLOCK DB 1\nSTRUCT\n  q : DATE_AND_TIME := DT#2001-2-3-4:5:6.789;\n  h : S5TIME := S5T#1M2S;\n  \
+                  r : ARRAY [1..4 ] OF INT := 1, 2 (5), 9;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\n\
+                  BEGIN\nNETWORK\n      SET;\n//@ assert DB1.DBD 0 == DW#16#0102_0304\n//@ assert DB1.DBW 12 == 5\n\
+                  END_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.xml", "--cpu", "315-2DP"]);
+    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(said.contains("2 passed, 0 failed"), "{said}");
+    // XML has the values of arrays one by one, STL as a list.
+    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "stl"]).stdout);
+    assert!(back.contains("r : ARRAY[1..4] OF INT := 1, 2(5), 9;"), "{back}");
+}
+
+/// Assertions of STL are in the XML where they were, also where a network or a block has nothing else; numbers keep their digits.
+#[test]
+fn assertions_of_stl_become_xml() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nFUNCTION \"Take\" : VOID\nVAR_INPUT\n  share : LREAL;\nEND_VAR\nBEGIN\n\
+                  //@ assert #share == 0.123456789\nEND_FUNCTION\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n\
+                  //@ assert MW10 == 0\n      L     1;\n      T     MW 10;\n      CALL  \"Take\" (share := 0.123456789);\nNETWORK\n\
+                  //@ assert MW10 == 1\n      T     MW 12;\n// the end\nNETWORK\n//@ assert MW12 == 1\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    for name in ["a.stl", "a.xml"] {
+        let tested = plcc(folder, &["test", name]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("4 passed, 0 failed"), "{name}: {said}");
+    }
+}
+
+/// Statements without a header are the block that the name of their file states, in other notations too.
+#[test]
+fn names_of_files_name_blocks() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::create_dir(folder.join("parts")).expect("the folder can be written");
+    let write = |name: &str, text: &str| fs::write(folder.join("parts").join(name), text).expect("a file");
+    write("FC19_Count.awl", "      A     I 0.0\n      =     Q 4.0\n");
+    write("OB1_MAIN.awl", "      CALL  FC 19\n");
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_default();
+    for (to, ending) in [("xml", "xml"), ("lad", "s7dcl")] {
+        let out = format!("{to}/");
+        let made = plcc(folder, &["convert", "parts", "--to", to, "-o", &out]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let checked = plcc(folder, &["check", to]);
+        let written = read(&format!("{to}/FC19_Count.{ending}"));
+        assert_eq!(checked.status.code(), Some(0), "{}{written}", text(&checked.stderr));
+        assert!(written.contains("<Name>FC_19</Name>") || written.contains("FUNCTION FC19 : Void"), "{written}");
+    }
+}
+
+/// Tags in an export with blocks are beside what is made of the blocks.
+#[test]
+fn tags_among_exported_blocks_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let export = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/scl/exports/memory-by-tags.xml");
+    for (to, name) in [("xml", "a.xml"), ("scl", "b.scl")] {
+        let made = plcc(folder.path(), &["convert", &export.to_string_lossy(), "--to", to, "-o", name]);
+        assert_eq!(made.status.code(), Some(0), "{to}: {}", text(&made.stderr));
+        let tags = Path::new(name).with_extension("tags.xml");
+        let tested = plcc(folder.path(), &["test", name, &tags.to_string_lossy()]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("3 passed, 0 failed"), "{to}: {said}");
+    }
+}
