@@ -45,7 +45,7 @@ pub fn read(tables: &BTreeMap<Spanned<String>, ConnectionKeys>, file: FileId) ->
         let Some(connection) = reader.connection(name, keys) else { continue };
         let own = name.get_ref().as_str();
         if let Some((first, _)) = found.iter().find(|(_, other)| other.id == connection.id) {
-            reader.report(name, format!("`{own}` is the connection `{first}` again"), "give each its own ID");
+            reader.report(name, format!("`{first}` and `{own}` are one connection"), "give each its own ID");
         }
         let same = |(_, other): &&(&str, S7Connection)| {
             !other.active
@@ -219,11 +219,11 @@ mod tests {
             ("[connection.1]\npartner = \"a\"\nslot = 32\n", "32 is not a slot from 0 to 31"),
             (
                 "[connection.1]\npartner = \"a\"\n[connection.\"16#1\"]\npartner = \"b\"\n",
-                "`16#1` is the connection `1` again",
+                "`1` and `16#1` are one connection",
             ),
             (
                 "[connection.\"16#100\"]\npartner = \"a\"\n[connection.256]\npartner = \"b\"\n",
-                "`256` is the connection `16#100` again",
+                "`16#100` and `256` are one connection",
             ),
             (
                 "[connection.\"16#100\"]\npassive = true\nlocal_tsap = \"10.01\"\n\

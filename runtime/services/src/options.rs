@@ -223,7 +223,7 @@ impl ServiceOptions {
         if !is_open && target.is_none() && board.is_none() {
             return match self.access {
                 Some(_) if !flags_only => {
-                    Err("--access: no clients can come: add --s7, --modbus, --opcua, --web or --mqtt".to_string())
+                    Err("--access: no client can connect: add --s7, --modbus, --opcua, --web or --mqtt".to_string())
                 }
                 _ => Ok((None, Vec::new())),
             };

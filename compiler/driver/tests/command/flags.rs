@@ -135,7 +135,7 @@ fn flags_of_clients_need_a_service() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     std::fs::write(folder.path().join("program.stl"), "      L     MW 0\n").expect("the folder can be written");
     for (flags, says) in [
-        (&["--access", "control"][..], "runtime: --access: no clients can come: add --s7"),
+        (&["--access", "control"][..], "runtime: --access: no client can connect: add --s7"),
         (&["--allow-load"], "runtime: --allow-load: programs are loaded through the page"),
         (&["--allow-load", "--scenario", "s.toml"], "plcc: --scenario belongs to one program"),
     ] {

@@ -100,7 +100,7 @@ impl Recovery {
                 told(
                     open + 1,
                     at.0,
-                    "the bounds of an array are separated by two points".to_owned(),
+                    "the bounds of an array are separated by two dots".to_owned(),
                     "a subtraction",
                     format!("write `{low}..{high}`"),
                 )
@@ -303,7 +303,7 @@ impl Recovery {
                 told(
                     at.0,
                     at.2,
-                    "the bounds of an array are separated by two points".to_owned(),
+                    "the bounds of an array are separated by two dots".to_owned(),
                     "separates dimensions",
                     format!("write `{low}..{high}`"),
                 )

@@ -482,7 +482,7 @@ fn other_brackets(state: &State, at: &Spanned, before: &Spanned) -> Option<Diagn
         (Tok::Literal(_), Tok::Literal(_)) if opens('[') && is_number(text(before)) => {
             let high = text(at).strip_prefix('-').map(str::trim).filter(|high| is_number(high))?;
             let help = format!("write `{}..{high}`", text(before));
-            told(before.0, at.2, "the bounds of an array are separated by two points", help)
+            told(before.0, at.2, "the bounds of an array are separated by two dots", help)
         }
         (_, Tok::LeftParen) if text(before).eq_ignore_ascii_case("STRING") => {
             let length = next.map(text).filter(|length| is_number(length))?;

@@ -242,7 +242,7 @@ impl Cpu {
             n => say(&format!("{n} references into data blocks that are others than in {path} begin anew{kept}")),
         }
         if let Some(names) = listed(&loaded.gone) {
-            say(&format!("{path} has values of {names}, which the program does not have: they go{kept}"));
+            say(&format!("{path} has values of {names}, which the program does not have: they are left out{kept}"));
         }
         if self.startup.get() == HOT && !loaded.complete {
             self.refuse_hot_restart("the program has changed, or its state was kept for a warm restart");

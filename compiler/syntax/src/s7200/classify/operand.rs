@@ -258,7 +258,7 @@ impl<'a> Classifier<'a, '_> {
                 format!("write `{first}N{last} {operands}`")
             }
             Insn::LoadNot | Insn::AndNot | Insn::OrNot => {
-                format!("two negations are none: write `{} {operands}`", &word[..word.len() - 1])
+                format!("two negations cancel each other: write `{} {operands}`", &word[..word.len() - 1])
             }
             _ => format!("write `NOT` in a line of its own before `{word} {operands}`"),
         };
