@@ -390,14 +390,19 @@ fn syntax(message: &str, place: &str, line: &str) -> Wrong {
         let value = line.split_once('=').map_or(place, |(_, value)| value).split('#').next().unwrap_or_default().trim();
         // Those that word processors write.
         let value = value.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
-        if let Some(told) = headings::ends_with_point(line) {
+        if let Some(told) = headings::ends_with_point(line).or_else(|| headings::without_key(line)) {
             return told;
         }
         if key.is_empty() && line.starts_with('=') {
             return wrong("the key is missing before `=`", format!("write `key {line}`"));
         }
         if let Some(inner) = value.strip_prefix('(').and_then(|value| value.strip_suffix(')')) {
-            return wrong("a list is written in brackets", format!("write `{key} = [{inner}]`"));
+            let quoted = |part: &str| format!("\"{}\"", part.trim());
+            let list = match inner.contains(['"', '\'']) || inner.trim().is_empty() {
+                true => inner.to_owned(),
+                false => inner.split(',').map(quoted).collect::<Vec<_>>().join(", "),
+            };
+            return wrong("a list is written in brackets", format!("write `{key} = [{list}]`"));
         }
         if !value.is_empty() && !value.starts_with(['"', '\'', '[', '{']) {
             if matches!(key, "sources" | "symbols" | "print" | "values" | "equations") {
@@ -525,6 +530,7 @@ mod tests {
         assert_eq!(title, "the list before this line is not closed");
         assert_eq!(help, "write `sources = [\"a.stl\"]`");
         assert_eq!(told("sources = [\n\"a.stl\",\n[retain]\n", 22).help, "write `]` after `\"a.stl\"`");
+        assert_eq!(told("sources = [\"a.stl\",\n[[retain]]\nfile = \"a\"\n", 32).help, "write `sources = [\"a.stl\"]`");
         assert_eq!(told("sources = [\"a.stl\" \"b.stl\"]\n", 19).title, "a comma is missing before this");
     }
 
@@ -640,6 +646,10 @@ mod tests {
         same(quotes, "cpu = “315-2DP”", "a text is written in quotation marks", "write `cpu = \"315-2DP\"`");
         let round = "a list is written in brackets";
         same(quotes, "sources = (\"a.stl\")", round, "write `sources = [\"a.stl\"]`");
+        same(quotes, "sources = (a.stl, b.stl)", round, "write `sources = [\"a.stl\", \"b.stl\"]`");
+        let name = "the heading does not begin with a name";
+        same(quotes, "[.ob]", name, "write `[ob]`");
+        same(quotes, "[[]]", name, "write the name of a table, as in `[retain]`");
         same(quotes, "= 5", "the key is missing before `=`", "write `key = 5`");
         same(quotes, "[ob.]", "the heading does not say which one", "write `[ob.35]`");
         same("invalid date", "cpu = 315-2DP", "a text is written in quotation marks", "write `cpu = \"315-2DP\"`");

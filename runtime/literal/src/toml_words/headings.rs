@@ -53,8 +53,10 @@ pub fn open_list(message: &str, before: &str, line: &str) -> Option<Wrong> {
     if !next || !message.lines().next()?.contains("missing comma") {
         return None;
     }
+    // `[[retain]]` after the list is read as a list in it.
+    let is_heading = |line: &str| line.starts_with('[') && line.ends_with(']') && !line.contains(['"', '\'', ',']);
     let mut lines = before.lines().rev().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let last = lines.next()?;
+    let last = lines.find(|line| !is_heading(line))?;
     let opens = |line: &str| {
         line.split_once('=')
             .is_some_and(|(key, value)| is_key(key) && value.matches('[').count() > value.matches(']').count())
@@ -73,6 +75,20 @@ pub fn ends_with_point(line: &str) -> Option<Wrong> {
     let example = NAMED.into_iter().find(|(own, _)| *own == heading).map_or("NAME", |(_, example)| example);
     let help = format!("write `[{heading}.{example}]`");
     Some(Wrong { title: "the heading does not say which one".to_owned(), help })
+}
+
+/// `[]`, `[.ob]`
+pub fn without_key(line: &str) -> Option<Wrong> {
+    let rest = line.trim().strip_prefix('[')?.trim_start_matches('[').trim_start();
+    if !rest.starts_with([']', '.']) {
+        return None;
+    }
+    let key = rest.trim_start_matches('.').split(']').next().unwrap_or_default().trim();
+    let help = match key {
+        "" => "write the name of a table, as in `[retain]`".to_owned(),
+        key => format!("write `[{key}]`"),
+    };
+    Some(Wrong { title: "the heading does not begin with a name".to_owned(), help })
 }
 
 /// `[cpu]` with keys below it, where `cpu = "…"` is a key of its own. `end`: of the line of the heading.
