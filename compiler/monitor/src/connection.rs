@@ -83,6 +83,8 @@ fn speak(process: &Process, session: Option<&str>, tasks: &Receiver<Task>, send:
     // What was asked of the connection before means nothing to this one.
     while tasks.try_recv().is_ok() {}
     send.send(Incoming::Connected(names, tables)).ok()?;
+    // How many lists of names the CPU has got, and the number of the last one.
+    let mut list = (0, 0);
     loop {
         loop {
             match tasks.try_recv() {
@@ -92,6 +94,9 @@ fn speak(process: &Process, session: Option<&str>, tasks: &Receiver<Task>, send:
                     send.send(Incoming::Table(name, tables, sheet)).ok()?;
                 }
                 Ok(Task::Send(order)) => {
+                    if let Order::Watch { number, .. } = &order {
+                        list = (list.0 + 1, *number);
+                    }
                     let text = serde_json::to_string(&order).ok()?;
                     if let Err(error) = socket.send(Message::text(text)) {
                         return Some(error.to_string());
@@ -102,8 +107,11 @@ fn speak(process: &Process, session: Option<&str>, tasks: &Receiver<Task>, send:
             }
         }
         match socket.read() {
-            Ok(Message::Text(text)) => match serde_json::from_str(&text) {
-                Ok(news) => send.send(Incoming::News(Box::new(news))).ok()?,
+            Ok(Message::Text(text)) => match serde_json::from_str::<News>(&text) {
+                Ok(mut news) => {
+                    news.list = (news.list == Some(list.0)).then_some(list.1);
+                    send.send(Incoming::News(Box::new(news))).ok()?;
+                }
                 Err(error) => return Some(format!("not understood: {error}")),
             },
             Ok(Message::Close(_)) => return Some("the process has ended the connection".to_string()),

@@ -12,6 +12,9 @@ pub enum Order {
         /// The format of each name; without any: by their types.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         formats: Vec<Option<String>>,
+        /// Number of the list, which comes back with its values. It is not sent.
+        #[serde(skip)]
+        number: u64,
     },
     Modify(Change),
     /// All of them at one moment, or none.
@@ -50,6 +53,8 @@ pub struct Change {
 pub struct News {
     pub hello: Option<Hello>,
     pub state: Option<State>,
+    /// The list of names that values and wrong names belong to: from the CPU how many it has got on this connection, for the model its own number.
+    pub list: Option<u64>,
     /// Number in the list of watched names, and value, or why there is none.
     pub values: Vec<(usize, Shown)>,
     pub wrong: Vec<(usize, String)>,

@@ -63,6 +63,8 @@ pub struct Model {
     pub search: String,
     pub tree: Vec<Node>,
     pub watched: Vec<String>,
+    /// Number of this list: what comes for an earlier one is not shown.
+    list: u64,
     /// Formats of watched names, where a table has them.
     formats: BTreeMap<String, String>,
     /// Modify values of watched names, of a table or as they were entered.
@@ -100,6 +102,7 @@ impl Model {
             tree: Vec::new(),
             part: if watched.is_empty() { Part::Program } else { Part::Watch },
             watched,
+            list: 0,
             formats: BTreeMap::new(),
             entered: BTreeMap::new(),
             tables: Vec::new(),
@@ -185,20 +188,19 @@ impl Model {
     }
 
     fn news(&mut self, news: News) {
-        let News { hello, state, values, wrong, buffer, forced, refused } = news;
+        let News { hello, state, list, values, wrong, buffer, forced, refused } = news;
         self.hello = hello.or(self.hello.take());
         if let Some(state) = state {
             self.state = state;
             self.lost = None;
         }
-        for (number, shown) in values {
-            if let Some(name) = self.watched.get(number) {
-                self.values.insert(name.clone(), Ok(shown));
-            }
-        }
-        for (number, why) in wrong {
-            if let Some(name) = self.watched.get(number) {
-                self.values.insert(name.clone(), Err(why));
+        if list == Some(self.list) {
+            let values = values.into_iter().map(|(number, shown)| (number, Ok(shown)));
+            let wrong = wrong.into_iter().map(|(number, why)| (number, Err(why)));
+            for (number, shown) in values.chain(wrong) {
+                if let Some(name) = self.watched.get(number) {
+                    self.values.insert(name.clone(), shown);
+                }
             }
         }
         if let Some(buffer) = buffer {
@@ -219,7 +221,8 @@ impl Model {
             true => Vec::new(),
             false => self.watched.iter().map(|name| self.formats.get(name).cloned()).collect(),
         };
-        self.orders.push(Order::Watch { names: self.watched.clone(), formats });
+        self.list += 1;
+        self.orders.push(Order::Watch { names: self.watched.clone(), formats, number: self.list });
     }
 
     /// Makes the tree of the names: parts before the last dot are branches.

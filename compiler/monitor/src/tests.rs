@@ -58,6 +58,7 @@ fn model(role: &str) -> Model {
     model.take(Incoming::News(Box::new(news(role))));
     let shown = |text: &str, ty: &'static str| Shown { text: text.to_string(), ty: ty.to_string(), bits: 16 };
     model.take(Incoming::News(Box::new(News {
+        list: Some(1),
         values: vec![(0, shown("16#002A", "WORD")), (1, shown("1", "BOOL"))],
         wrong: vec![(2, "`Nobody` is not a name".to_string())],
         forced: Some(vec![Forced { name: "I0.0".to_string(), value: "1".to_string() }]),
@@ -95,7 +96,7 @@ fn a_branch_is_opened_and_a_value_watched() {
     keys(&mut model, "\t\t↓\n↓\n↓\n");
     check("tree.txt", &model);
     let names = ["MW10", "I0.0", "Nobody", "Line.a.count"].map(str::to_string).to_vec();
-    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names, formats: Vec::new() }]);
+    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names, formats: Vec::new(), number: 2 }]);
     keys(&mut model, "/delay\n");
     check("search.txt", &model);
 }
@@ -162,7 +163,7 @@ fn watch_tables_of_the_project_are_shown_one_after_the_other() {
     model.take(Incoming::Table("level".to_string(), all(), Ok(serde_json::from_str(sheet).expect("it is a table"))));
     let names = ["MW10", "I0.0"].map(str::to_string).to_vec();
     let formats = vec![Some("dec".to_string()), None];
-    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names, formats }]);
+    assert_eq!(model.orders().collect::<Vec<_>>(), [Order::Watch { names, formats, number: 3 }]);
     check("table.txt", &model);
     keys(&mut model, "M↓m1\nMm←\nM");
     let (speed, input) = (change("MW10", "120", Some("dec")), change("I0.0", "1", None));
@@ -186,6 +187,22 @@ fn watch_tables_of_the_project_are_shown_one_after_the_other() {
     assert!(model.refused.contains("line 2"));
     keys(&mut model, "t");
     assert_eq!(model.wanted().as_deref(), Some("level"), "the one that cannot be shown is passed");
+}
+
+#[test]
+fn values_of_an_earlier_list_are_not_shown() {
+    let mut model = model("look");
+    keys(&mut model, "d");
+    let _ = model.orders().count();
+    let shown = |text: &str| Shown { text: text.to_string(), ty: "BOOL".to_string(), bits: 1 };
+    let values = |list, text| News { list, values: vec![(0, shown(text))], ..News::default() };
+    let wrong = News { list: Some(1), wrong: vec![(1, "no such name".to_string())], ..News::default() };
+    for news in [values(Some(1), "16#002A"), values(None, "16#002A"), wrong] {
+        model.take(Incoming::News(Box::new(news)));
+    }
+    assert!(model.values.is_empty(), "they are those of other rows");
+    model.take(Incoming::News(Box::new(values(Some(2), "1"))));
+    assert_eq!(model.values.keys().collect::<Vec<_>>(), ["I0.0"]);
 }
 
 #[test]
@@ -217,6 +234,8 @@ fn no_key_and_no_news_do_harm() {
         let _ = picture(&model);
         let mut news = News { buffer: Some(vec![entry.clone(); round]), hello: Some(hello.clone()), ..News::default() };
         news.wrong = vec![(usize::MAX, String::new())];
+        let number = |order: Order| if let Order::Watch { number, .. } = order { Some(number) } else { None };
+        news.list = model.orders().filter_map(number).last();
         model.take(Incoming::News(Box::new(news)));
         model.take(Incoming::Connected(vec![Listed { name: "..".to_string(), ty: "".into() }], vec![String::new()]));
     }
