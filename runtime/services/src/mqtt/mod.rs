@@ -1,21 +1,24 @@
 //! MQTT: what a broker gets, and what comes from it.
 //!
 //! - [`values`]: values as JSON; [`sparkplug`]: as metrics of Sparkplug B, which can be written.
+//! - `outage`: what is told when the broker is away.
 //!
 //! Both look at the values again and again, and keep one connection. While the broker is away nothing waits for it: when it is back, it gets
 //! the values of that moment.
 
+mod outage;
 pub mod sparkplug;
 pub mod values;
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rumqttc::{Event, EventLoop, MqttOptions, Packet, Publish, TlsConfiguration, Transport};
 use tokio::sync::watch;
 use tokio_rustls::rustls::ClientConfig;
 
 use crate::limits::{MQTT_RECEIVED_MAX, MQTT_SENT_MAX};
+use outage::Outage;
 
 /// Ports of MQTT without and with TLS.
 const PORT: u16 = 1883;
@@ -27,8 +30,6 @@ const LOOK: Duration = Duration::from_millis(100);
 const RETRY: std::ops::RangeInclusive<Duration> = Duration::from_millis(250)..=Duration::from_secs(10);
 /// Values that are published.
 const VALUES_MAX: usize = 1000;
-/// Reasons that are told while the broker is away.
-const REASONS_MAX: usize = 4;
 /// The environment variable with the password, so that it need not be in a URL.
 const PASSWORD_VARIABLE: &str = "PLCC_MQTT_PASSWORD";
 
@@ -143,49 +144,33 @@ struct NoDuties;
 
 impl Duties for NoDuties {}
 
-/// A time without the broker, and why: it may be down at first, and then refuse the password.
-#[derive(Default)]
-struct Outage {
-    /// Those that were told.
-    reasons: Vec<String>,
-}
-
-impl Outage {
-    /// Whether to tell this reason: each one is told once.
-    fn is_new(&mut self, reason: &str) -> bool {
-        let is_new = self.reasons.len() < REASONS_MAX && self.reasons.iter().all(|told| told != reason);
-        if is_new {
-            self.reasons.push(reason.to_string());
-        }
-        is_new
-    }
-
-    /// The broker is there. True: it was away.
-    fn end(&mut self) -> bool {
-        !std::mem::take(&mut self.reasons).is_empty()
-    }
-}
-
 /// Keeps the connection: `send` gets an odd number with each new one, and an even one when it is lost.
 async fn connect(mut events: EventLoop, send: watch::Sender<u64>, broker: String, mut duties: impl Duties) {
     let mut pause = *RETRY.start();
     let mut outage = Outage::default();
     duties.prepare(&mut events.mqtt_options);
     loop {
-        match events.poll().await {
+        let event = events.poll().await;
+        let mut is_back = false;
+        if let Some(back) = outage.lasts(Instant::now()) {
+            pause = *RETRY.start();
+            is_back = back;
+        }
+        match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                pause = *RETRY.start();
-                if outage.end() {
-                    crate::say(&format!("{broker} is back"));
+                is_back |= outage.made(Instant::now());
+                if !outage.is_unstable() {
+                    pause = *RETRY.start();
                 }
                 send.send_modify(|number| *number = (*number | 1) + u64::from(*number % 2 == 1) * 2);
             }
             Ok(Event::Incoming(Packet::Publish(message))) => duties.receive(message),
             Ok(_) => {}
             Err(error) => {
-                let reason = error.to_string();
-                if outage.is_new(&reason) {
-                    crate::say(&format!("{broker} does not answer: {reason}; trying again"));
+                is_back = false;
+                let reason = outage::reason(&error);
+                if outage.lost(&reason) {
+                    crate::say(&format!("no connection to {broker}: {reason}; trying again"));
                 }
                 // What was not delivered is no longer current when the broker is back: it gets all values then.
                 events.clean();
@@ -195,6 +180,9 @@ async fn connect(mut events: EventLoop, send: watch::Sender<u64>, broker: String
                 pause = (pause * 2).min(*RETRY.end());
                 duties.prepare(&mut events.mqtt_options);
             }
+        }
+        if is_back {
+            crate::say(&format!("{broker} is back"));
         }
         if send.is_closed() {
             return;
@@ -265,20 +253,6 @@ mod tests {
             }
             read_all(&bytes);
         }
-    }
-
-    #[test]
-    fn each_reason_of_an_outage_is_told_once() {
-        let mut outage = Outage::default();
-        assert!(!outage.end());
-        let told = |outage: &mut Outage, reasons: &str| -> String {
-            reasons.matches(|reason: char| outage.is_new(&reason.to_string())).collect()
-        };
-        assert_eq!(told(&mut outage, "ddpdp"), "dp");
-        assert!(outage.end());
-        assert!(!outage.end());
-        // Not without an end, if a broker has ever new ones.
-        assert_eq!(told(&mut outage, "dabcef"), "dabc");
     }
 
     #[test]
