@@ -11,7 +11,7 @@
 //! - [`instances`]: IEC timers and counters in SCL that two calls share.
 //! - [`joined`]: comparisons of one value in SCL that are joined the wrong way.
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
-//! - [`numbers`]: whole numbers and REALs in one calculation in STL.
+//! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
 //! - [`outputs`]: outputs that two blocks assign in one cycle.
@@ -21,6 +21,7 @@
 
 mod assigned;
 mod branches;
+mod bcd;
 mod division;
 mod endless;
 mod indices;
@@ -67,6 +68,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 stl::edges(statements, sources, &mut found);
                 endless::jumps(statements, &mut found);
                 numbers::review(statements, &program.numbers, sources, &mut found);
+                bcd::review(statements, &program.numbers, sources, &mut found);
             }
             Body::Scl(body) if *language != Language::Chart => {
                 tree::labels(body, sources, &mut found);

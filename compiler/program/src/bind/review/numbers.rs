@@ -152,7 +152,7 @@ fn divided_by_zero(load: &StlStatement, division: &StlStatement) -> Option<Diagn
 }
 
 /// Whether an instruction calculates with two numbers or compares them: with REAL, and whether it compares.
-fn calculation(insn: StlInsn) -> Option<(bool, bool)> {
+pub(super) fn calculation(insn: StlInsn) -> Option<(bool, bool)> {
     let mnemonic = insn.mnemonic(Mnemonics::En);
     let sign = mnemonic.strip_suffix(['I', 'D', 'R'])?;
     let compares = matches!(sign, "==" | "<>" | ">" | "<" | ">=" | "<=");
@@ -303,7 +303,8 @@ pub(super) fn operand_text(span: Span, sources: &SourceMap) -> &str {
     text.trim().trim_end_matches(';').trim_end()
 }
 
-fn written(span: Span, sources: &SourceMap) -> String {
+/// A statement as written, with single blanks.
+pub(super) fn written(span: Span, sources: &SourceMap) -> String {
     let text = sources.file(span.file).text.get(span.range()).unwrap_or_default();
     text.trim_end_matches(';').split_whitespace().collect::<Vec<_>>().join(" ")
 }
