@@ -111,8 +111,7 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
                 _ => "remove it: a cycle that is too long calls OB 80, and without this block the CPU stops",
             },
         )),
-        // Source: CPU manuals of S7-1200 and S7-1500, operating modes: the only startup is the warm restart.
-        CpuSetting::Cold if family.is_portal() => Some((
+        CpuSetting::Cold if !family.has_cold_restart() => Some((
             format!("the CPU {cpu} has no cold restart"),
             "write `startup = \"warm\"`; `--restart reset` gives retentive data their start values once",
         )),
@@ -168,7 +167,7 @@ mod tests {
             (priority(35), [true, false, false, false]),
             (priority(123), [false, false, false, false]),
             (CpuSetting::Exceeded, [true, true, false, true]),
-            (CpuSetting::Cold, [false, false, true, false]),
+            (CpuSetting::Cold, [false, false, true, true]),
             (CpuSetting::Complete, [true, true, false, true]),
             (CpuSetting::Retentive(Retained::Timers, 4000), [true, true, true, false]),
             (CpuSetting::Retentive(Retained::Counters, 8), [false, false, true, false]),

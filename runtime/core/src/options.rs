@@ -110,7 +110,7 @@ pub enum Restart {
     Warm,
     /// OB 101, S7-400; all data is kept, and the program goes on.
     Hot,
-    /// OB 102, not S7-1200/1500; all data begins with its start values.
+    /// OB 102, S7-300/400; all data begins with its start values.
     Cold,
     /// Memory reset, then OB 100: all data begins with its start values.
     Reset,

@@ -150,13 +150,17 @@ fn flags_of_clients_need_a_service() {
 #[test]
 fn a_cold_restart_is_refused_where_the_cpu_has_none() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let main = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %Q0.0 := %I0.0;\nEND_ORGANIZATION_BLOCK\n";
-    std::fs::write(folder.path().join("main.scl"), main).expect("the folder can be written");
-    let flags = ["run", "main.scl", "--cpu", "1214C", "--cycles", "1", "--restart", "cold"];
-    let output = command(PLCC, folder.path(), &flags);
-    assert_eq!(output.status.code(), Some(2));
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(errors.contains("--restart cold: an S7-1200/1500 has no cold restart; --restart reset"), "{errors}");
+    let scl = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %Q0.0 := %I0.0;\nEND_ORGANIZATION_BLOCK\n";
+    let awl = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nLD I0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n";
+    for (file, text, cpu, family) in [("main.scl", scl, "1214C", "S7-1200/1500"), ("main.awl", awl, "224", "S7-200")] {
+        std::fs::write(folder.path().join(file), text).expect("the folder can be written");
+        let flags = ["run", file, "--cpu", cpu, "--cycles", "1", "--restart", "cold"];
+        let output = command(PLCC, folder.path(), &flags);
+        assert_eq!(output.status.code(), Some(2));
+        let errors = String::from_utf8_lossy(&output.stderr);
+        let expected = format!("--restart cold: an {family} has no cold restart; --restart reset");
+        assert!(errors.contains(&expected), "{errors}");
+    }
 }
 
 #[test]

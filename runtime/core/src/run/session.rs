@@ -133,9 +133,10 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
         return Err("--restart hot: only a CPU of the S7-400 has hot restarts; write --restart warm, or leave it out"
             .to_string());
     }
-    if options.restart == Some(Restart::Cold) && cpu.image.profile.family.is_portal() {
+    if options.restart == Some(Restart::Cold) && !cpu.image.profile.family.has_cold_restart() {
+        let family = if cpu.image.profile.family == Family::S7200 { "S7-200" } else { "S7-1200/1500" };
         let other = "--restart reset gives retentive data their start values once";
-        return Err(format!("--restart cold: an S7-1200/1500 has no cold restart; {other}"));
+        return Err(format!("--restart cold: an {family} has no cold restart; {other}"));
     }
     cpu.check_retentive_file()?;
     let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
