@@ -83,7 +83,13 @@ pub fn never_began(span: Span, word: &str) -> Diagnostic {
         .help("remove it, or write the header of its block before the statements")
 }
 
-/// The message for `text` where the header of a data block or data type, `what`, goes on.
+/// The message for `name`, such as `FB 10`, where a block begins without its `keyword`.
+pub fn no_keyword_before_name(span: Span, keyword: &str, name: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`{keyword}` is missing before `{name}`"))
+        .label("a block begins here")
+        .help(format!("write `{keyword} {name}`"))
+}
+
 /// The words that begin a line of a header.
 const HEADER_WORDS: [&str; 5] = ["TITLE", "VERSION", "AUTHOR", "FAMILY", "NAME"];
 
@@ -107,6 +113,7 @@ pub fn no_colon_before_type(span: Span, ty: &str) -> Diagnostic {
         .help(format!("write `: {ty}`"))
 }
 
+/// The message for `text` where the header of a data block or data type, `what`, goes on.
 pub fn not_in_header(span: Span, what: &str, text: &str, help: &str) -> Diagnostic {
     Diagnostic::new(Code::BlockFrame, span, format!("a {what} cannot contain `{text}`"))
         .label("neither a part of the header nor a declaration")

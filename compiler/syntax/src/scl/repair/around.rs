@@ -1,13 +1,23 @@
-//! What stands around blocks in other languages and in software units: `NAMESPACE`, `USING`.
+//! What stands around blocks in other languages and in software units: `NAMESPACE`, `USING`. And blocks without their first word.
 
-use super::Repair;
+use plcc_diag::{Code, Diagnostic};
+
+use super::{Area, Edit, Repair};
+use crate::ast::BlockPrefix;
+use crate::front::frame;
+use crate::scl::address;
+use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
 impl Repair<'_> {
     /// What stands around a block, or in its place.
     pub(super) fn around_blocks(&mut self, token: RawToken) -> bool {
         let outside = !self.statements_begun && token.first_on_line && self.brackets.is_empty();
-        outside && (self.name_space(token) || self.enumeration(token))
+        outside
+            && (self.name_space(token)
+                || self.enumeration(token)
+                || self.structure_alone(token)
+                || self.number_alone(token))
     }
 
     /// `NAMESPACE Plant.Line … END_NAMESPACE`, `USING Plant.Line;`
@@ -49,4 +59,111 @@ impl Repair<'_> {
         self.statement = self.at;
         true
     }
+
+    /// `STRUCT "Motor" … END_STRUCT` for a data type, in place of a block.
+    fn structure_alone(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if token.keyword != Some(Keyword::Struct) || !self.ends_line(at + 2) {
+            return false;
+        }
+        let is_name = |name: &RawToken| matches!(name.kind, RawKind::Word | RawKind::Quoted) && name.keyword.is_none();
+        let Some(name) = self.beside(at + 1).filter(is_name) else { return false };
+        let Some(end) = self.end_of_structure(at) else { return false };
+        let after = if self.kind(end + 1) == Some(RawKind::Semicolon) { end + 2 } else { end + 1 };
+        let text = self.slice(name);
+        let help = format!("write `TYPE {text} STRUCT … END_STRUCT; END_TYPE`");
+        let message = Diagnostic::new(Code::BlockFrame, self.span(at, at + 2), "a structure with a name is a TYPE");
+        self.messages.push(message.label("read as a data type").help(help));
+        let begins = no_width(name.end, Keyword::Struct);
+        let with = vec![RawToken { keyword: Some(Keyword::Type), ..token }, name, begins];
+        self.edits.push(Edit { first: at, after: at + 2, with });
+        self.at = at + 2;
+        self.area = Area::Declarations;
+        self.begin_statement();
+        while self.at < after {
+            let (before, token) = (self.at, self.tokens[self.at]);
+            self.declaration_token(token);
+            self.at = self.at.max(before + 1);
+        }
+        self.area = Area::Statements;
+        self.begin_statement();
+        let at = self.at - 1;
+        if self.keyword(at + 1) != Some(Keyword::EndType) && self.edits.last().is_none_or(|edit| edit.after <= at) {
+            let last = self.tokens[at];
+            let end = no_width(last.end, Keyword::EndType);
+            self.edits.push(Edit { first: at, after: at + 1, with: vec![last, end] });
+        }
+        true
+    }
+
+    /// Index of the END_STRUCT that belongs to the STRUCT at `at`.
+    fn end_of_structure(&self, at: usize) -> Option<usize> {
+        let mut depth = 0usize;
+        for (index, token) in self.tokens.iter().enumerate().skip(at) {
+            match token.keyword {
+                Some(Keyword::Struct) => depth += 1,
+                Some(Keyword::EndStruct) if depth == 1 => return Some(index),
+                Some(Keyword::EndStruct) => depth -= 1,
+                Some(word) if word.ends_block() || word.begins_section() || word == Keyword::Begin => return None,
+                _ => {}
+            }
+        }
+        None
+    }
+
+    /// `FB 10` in a line of its own, before declarations.
+    fn number_alone(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        if token.kind != RawKind::Word || token.keyword.is_some() {
+            return false;
+        }
+        let word = self.slice(token);
+        let is_number = |number: RawToken| number.kind == RawKind::Number;
+        let (prefix, after) = match (address::numbered_block(word), address::block_prefix(word)) {
+            (Some((prefix, _)), _) => (prefix, at + 1),
+            (None, Some(prefix)) if self.beside(at + 1).is_some_and(is_number) => (prefix, at + 2),
+            (None, _) => return false,
+        };
+        let (keyword, end) = match prefix {
+            BlockPrefix::Ob => (Keyword::OrganizationBlock, Keyword::EndOrganizationBlock),
+            BlockPrefix::Fc => (Keyword::Function, Keyword::EndFunction),
+            BlockPrefix::Fb => (Keyword::FunctionBlock, Keyword::EndFunctionBlock),
+            BlockPrefix::Db => (Keyword::DataBlock, Keyword::EndDataBlock),
+            BlockPrefix::Udt => (Keyword::Type, Keyword::EndType),
+            BlockPrefix::Sfc | BlockPrefix::Sfb | BlockPrefix::Di | BlockPrefix::Vat => return false,
+        };
+        let typed = prefix == BlockPrefix::Fc && self.kind(after) == Some(RawKind::Colon);
+        let next = if typed { (after..).find(|index| self.ends_line(*index)).unwrap_or(after) } else { after };
+        let goes_on = self.ends_line(next)
+            && (matches!(self.kind(next), Some(RawKind::LeftBrace | RawKind::Title))
+                || self
+                    .keyword(next)
+                    .is_some_and(|word| word.begins_section() || matches!(word, Keyword::Begin | Keyword::Struct)));
+        let last = self.tokens[at..].iter().find_map(|token| token.keyword.filter(|word| word.ends_block()));
+        if !goes_on || last != Some(end) {
+            return false;
+        }
+        let name = self.words(at, after - 1);
+        self.messages.push(frame::no_keyword_before_name(self.span(at, after), keyword.word(), name));
+        let opening = RawToken { first_on_line: true, ..no_width(token.start, keyword) };
+        self.edits.push(Edit {
+            first: at,
+            after: at + 1,
+            with: vec![opening, RawToken { first_on_line: false, ..token }],
+        });
+        self.note(opening);
+        self.at = at + 1;
+        self.last = Some(token);
+        true
+    }
+
+    /// Whether no token of the line before is at `at`.
+    fn ends_line(&self, at: usize) -> bool {
+        self.beside(at).is_none()
+    }
+}
+
+/// A keyword that the text does not have, at byte `at`.
+fn no_width(at: u32, keyword: Keyword) -> RawToken {
+    RawToken { kind: RawKind::Word, start: at, end: at, first_on_line: false, keyword: Some(keyword) }
 }

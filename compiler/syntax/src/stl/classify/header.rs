@@ -19,6 +19,15 @@ impl<'a> Classifier<'a, '_> {
         let opening = self.raw[self.at];
         let keyword = self.block_keyword(self.at).expect("the caller saw the keyword");
         let program = self.upper(self.at).as_str() == "PROGRAM";
+        self.take(keyword.clone());
+        if program {
+            self.no_program(opening);
+        }
+        self.after_keyword(opening, &keyword, program);
+    }
+
+    /// A block from its name to its end. `opening`: the first word of the block.
+    pub(super) fn after_keyword(&mut self, opening: RawToken, keyword: &Tok<'_>, program: bool) {
         let (frame, end_word) = match keyword {
             _ if program => (Frame::Code, "END_PROGRAM"),
             Tok::Code(CodeKeyword::OrganizationBlock) => (Frame::Code, "END_ORGANIZATION_BLOCK"),
@@ -27,11 +36,7 @@ impl<'a> Classifier<'a, '_> {
             Tok::DataBlock => (Frame::Data, "END_DATA_BLOCK"),
             _ => (Frame::Type, "END_TYPE"),
         };
-        let function = keyword == Tok::Code(CodeKeyword::Function);
-        self.take(keyword);
-        if program {
-            self.no_program(opening);
-        }
+        let function = *keyword == Tok::Code(CodeKeyword::Function);
         self.block_name(self.slice(opening));
         match frame {
             Frame::Code => self.second_name(opening, function),
@@ -241,7 +246,7 @@ impl<'a> Classifier<'a, '_> {
     }
 
     /// Whether the word at `index` belongs to headers.
-    fn header_keyword(&self, index: usize) -> bool {
+    pub(super) fn header_keyword(&self, index: usize) -> bool {
         let upper = self.upper(index);
         let word = upper.as_str();
         let field = header_field(word).is_some() && self.kind_at(index + 1) == Some(RawKind::Colon);

@@ -6,7 +6,7 @@
 //! mistake remains one message.
 //!
 //! ```text
-//! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   declaration.rs
+//! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   header.rs, headless.rs, declaration.rs
 //!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, foreign.rs
 //!            │          └────► values of a data block                           declaration.rs
 //!            └── statements without a header: OB 1
@@ -17,6 +17,7 @@ mod code;
 mod declaration;
 mod foreign;
 mod header;
+mod headless;
 mod operand;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
@@ -111,6 +112,7 @@ impl<'a> Classifier<'a, '_> {
                     self.report(frame::never_began(self.span(token), self.slice(token)));
                     self.at += 1;
                 }
+                _ if self.block_without_keyword() => {}
                 _ => self.implied_ob(),
             }
         }
