@@ -5,6 +5,7 @@
 //!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
+//!              labels.rs: GOTO 10
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
 //!              around.rs: NAMESPACE                enumerations.rs: TYPE x : INT (a, b)
 //! ```
@@ -19,6 +20,7 @@ mod declare;
 mod enumerations;
 mod foreign;
 mod heads;
+mod labels;
 mod leave;
 mod loops;
 mod sections;
@@ -32,6 +34,7 @@ use std::collections::{HashMap, HashSet};
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use self::enumerations::Enumerations;
+use self::labels::NumberLabels;
 use super::keyword::Keyword;
 use super::raw::{RawKind, RawText, RawToken};
 
@@ -120,6 +123,7 @@ struct Repair<'t> {
     /// Names of sections that were reported; true: those of a section of the block.
     absent: HashMap<String, bool>,
     enumerations: Enumerations,
+    number_labels: NumberLabels<'t>,
     edits: Vec<Edit>,
     messages: Vec<Diagnostic>,
     /// The block is a data block.
@@ -157,6 +161,7 @@ impl<'t> Repair<'t> {
             with_hyphens: HashSet::new(),
             absent: HashMap::new(),
             enumerations: Enumerations::default(),
+            number_labels: NumberLabels::default(),
             edits: Vec::new(),
             messages: Vec::new(),
             data: false,
@@ -192,6 +197,7 @@ impl<'t> Repair<'t> {
                     if !(self.commented_divisor(token)
                         || self.absent_use(token)
                         || self.enumerated_value(token)
+                        || self.number_label(token)
                         || self.foreign(token)
                         || self.hyphenated_use(token)
                         || self.repair_word(token)
@@ -324,6 +330,7 @@ impl<'t> Repair<'t> {
                 self.begins_reported = false;
                 self.statements_begun = false;
                 self.absent.retain(|_, of_block| !*of_block);
+                self.number_labels.begin_block();
                 self.head = None;
                 self.begin_statement();
             }
