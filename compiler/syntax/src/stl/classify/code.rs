@@ -204,6 +204,13 @@ impl<'a> Classifier<'a, '_> {
                 let name = &self.text[token.start as usize..rest.end as usize];
                 let after = self.at + 2;
                 self.take_up_to(Tok::Target(name), after);
+            } else if let Some(token) = self.peek()
+                && token.kind == RawKind::Number
+                && !token.first_on_line
+                && self.is_number_label(self.slice(token))
+            {
+                let name = self.slice(token);
+                self.take(Tok::Target(name));
             }
         } else {
             self.push(start, Tok::Insn(insn), end);

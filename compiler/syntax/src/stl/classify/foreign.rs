@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic};
 use super::{Classifier, is_end_of_block, is_section};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
-use crate::stl::{messages, suggest};
+use crate::stl::{OperandClass, messages, suggest};
 
 impl<'a> Classifier<'a, '_> {
     /// Whether `name.part[1] :=` follows.
@@ -149,7 +149,7 @@ impl<'a> Classifier<'a, '_> {
                 self.at = index;
                 self.bad_statement();
             }
-            _ if let Some(label) = self.label_with_digit(index) => {
+            _ if let Some((label, after)) = self.label_with_digit(index) => {
                 let end = token.start as usize + label.len();
                 self.report(
                     Diagnostic::new(
@@ -161,8 +161,7 @@ impl<'a> Classifier<'a, '_> {
                     .help(format!("write another label, such as `m{label}:`, here and in the jumps to it")),
                 );
                 self.end_of_label();
-                // The number, the word and the colon.
-                self.take_up_to(Tok::Label(label), index + 3);
+                self.take_up_to(Tok::Label(label), after);
             }
             _ => {
                 let compares = matches!(slice, ">" | "<" | ">=" | "<=" | "==" | "<>");
@@ -217,12 +216,47 @@ impl<'a> Classifier<'a, '_> {
         true
     }
 
-    /// `1lab` of `1lab:` at `index`.
-    fn label_with_digit(&self, index: usize) -> Option<&'a str> {
-        let (number, word) = (self.raw_at(index)?, self.raw_at(index + 1)?);
-        let adjacent = number.end == word.start && self.kind_at(index + 2) == Some(RawKind::Colon);
-        let kinds = number.kind == RawKind::Number && word.kind == RawKind::Word;
-        (adjacent && kinds).then(|| &self.text[number.start as usize..word.end as usize])
+    /// `1lab` of `1lab:` at `index`, and `1` of `1:` if a statement jumps there, with the index after the colon.
+    fn label_with_digit(&self, index: usize) -> Option<(&'a str, usize)> {
+        let (number, next) = (self.raw_at(index)?, self.raw_at(index + 1)?);
+        if number.kind != RawKind::Number {
+            return None;
+        }
+        if next.kind == RawKind::Colon {
+            let label = self.slice(number);
+            return self.jumps_to_number(label).then_some((label, index + 2));
+        }
+        let word = next.kind == RawKind::Word && number.end == next.start;
+        let ends = self.kind_at(index + 2) == Some(RawKind::Colon);
+        (word && ends).then(|| (&self.text[number.start as usize..next.end as usize], index + 3))
+    }
+
+    /// Whether a jump has the number as its operand.
+    fn jumps_to_number(&self, number: &str) -> bool {
+        self.near_here().any(|index| {
+            let is_jump = |word: usize| {
+                self.lookup(self.upper(word).as_str()).is_some_and(|insn| insn.operand() == OperandClass::Label)
+            };
+            self.is_number(index, number) && index.checked_sub(1).is_some_and(is_jump)
+        })
+    }
+
+    /// Whether the number stands as a label before a statement.
+    pub(super) fn is_number_label(&self, number: &str) -> bool {
+        self.near_here().any(|index| {
+            let first = self.raw_at(index).is_some_and(|token| token.first_on_line);
+            first && self.kind_at(index + 1) == Some(RawKind::Colon) && self.is_number(index, number)
+        })
+    }
+
+    fn is_number(&self, index: usize, number: &str) -> bool {
+        self.raw_at(index).is_some_and(|token| token.kind == RawKind::Number && self.slice(token) == number)
+    }
+
+    /// The raw tokens around the next one among which a label is looked for.
+    fn near_here(&self) -> std::ops::Range<usize> {
+        const LOOK_MAX: usize = 2000;
+        self.at.saturating_sub(LOOK_MAX)..self.raw.len().min(self.at + LOOK_MAX)
     }
 
     /// `DB10.values(3)` for an element, whose index is read as if it was in brackets. `start`: where the operand begins.
