@@ -6,7 +6,7 @@ use super::header::Frame;
 use super::{Classifier, unquoted};
 use crate::article::with_article;
 use crate::front;
-use crate::front::frame;
+use crate::front::{frame, frame_words};
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
@@ -16,7 +16,14 @@ impl Classifier<'_, '_> {
     /// A block from its keyword to its end.
     pub(super) fn block(&mut self) {
         let opening = self.raw[self.at];
-        let keyword = opening.keyword.expect("the caller saw the keyword");
+        let mut keyword = opening.keyword.expect("the caller saw the keyword");
+        if keyword == Keyword::Program
+            && !self.iec
+            && let Some(meant) = self.meant_by_program()
+        {
+            self.report(frame_words::misspelt(self.span(opening), self.slice(opening), meant.word()));
+            keyword = meant;
+        }
         let (tok, frame) = match keyword {
             Keyword::OrganizationBlock => (Tok::Code(CodeKeyword::OrganizationBlock), Frame::Code),
             Keyword::Function => (Tok::Code(CodeKeyword::Function), Frame::Code),
@@ -81,6 +88,15 @@ impl Classifier<'_, '_> {
                 .help(help),
         );
         self.at += 1;
+    }
+
+    /// The keyword that belongs to the end of `PROGRAM Main … END_ORGANIZATION_BLOCK`.
+    fn meant_by_program(&self) -> Option<Keyword> {
+        match self.raw[self.at..].iter().find_map(|token| token.keyword.filter(|word| word.ends_block()))? {
+            Keyword::EndOrganizationBlock => Some(Keyword::OrganizationBlock),
+            Keyword::EndFunctionBlock => Some(Keyword::FunctionBlock),
+            _ => None,
+        }
     }
 
     /// `PROGRAM Main`, which no CPU calls.

@@ -533,6 +533,10 @@ impl<'a> Classifier<'a, '_> {
                 return self.take(Tok::EndBlock);
             }
             if is_end_of_block(upper.as_str()) {
+                // What PROGRAM is to be has been said.
+                if end_word == "END_PROGRAM" {
+                    return self.take(Tok::EndBlock);
+                }
                 let found = self.slice(token);
                 self.report(
                     Diagnostic::new(
