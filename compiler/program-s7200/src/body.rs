@@ -57,6 +57,7 @@ impl Binder<'_> {
             let end = next.map_or(u32::MAX, |statement| statement.span.start);
             stack.end_network(end, self.input.sources, &mut self.report);
         }
+        stack.finish(&mut self.report);
         structure.finish(&mut self.report);
         Some(S7200Body { parameters: locals.formals(), statements })
     }

@@ -81,6 +81,8 @@ pub struct Stack {
     unused: Vec<Option<Span>>,
     /// The same levels: those that LPS has pushed, until LPP, ALD or OLD takes them.
     copies: Vec<Option<Span>>,
+    /// An LPS of the network before, whose level nothing has taken: the LPP may be in this one.
+    left_before: Option<Span>,
 }
 
 impl Stack {
@@ -94,6 +96,7 @@ impl Stack {
             read_told: false,
             unused: Vec::new(),
             copies: Vec::new(),
+            left_before: None,
         }
     }
 
@@ -111,18 +114,24 @@ impl Stack {
             left.filter(|span| is_certain && !has_assertion(sources, Span { end, ..*span }))
         };
         let (left, copied) = (first(&mut self.unused), first(&mut self.copies));
-        if let (None, Some(span)) = (left, copied) {
-            report.push(
-                Diagnostic::new(Code::LeftOverLevel, span, "no LPP takes back what this LPS pushes")
-                    .label("it stays on the logic stack until the network ends")
-                    .help("begin the last branch with LPP in place of LRD, or remove LPS if there is one branch only"),
-            );
-        }
+        self.finish(report);
+        self.left_before = copied.filter(|_| left.is_none());
         if let Some(span) = left {
             report.push(
                 Diagnostic::new(Code::LeftOverLevel, span, "nothing uses the result of this contact")
                     .label("it stays on the logic stack until the network ends")
                     .help("join it with ALD or OLD, or remove it; a contact in series is `A`, one in parallel `O`"),
+            );
+        }
+    }
+
+    /// The block is over.
+    pub fn finish(&mut self, report: &mut Report) {
+        if let Some(span) = self.left_before.take() {
+            report.push(
+                Diagnostic::new(Code::LeftOverLevel, span, "no LPP takes back what this LPS pushes")
+                    .label("it stays on the logic stack until the network ends")
+                    .help("begin the last branch with LPP in place of LRD, or remove LPS if there is one branch only"),
             );
         }
     }
@@ -218,7 +227,14 @@ impl Stack {
     fn need(&mut self, levels: usize, name: &str, span: Span, report: &mut Report) {
         if self.depth < levels {
             if !self.told {
-                report.push(underflow(self.depth, levels, name, span));
+                let push = self.left_before.filter(|_| self.depth == 0 && matches!(name, "LPP" | "LRD"));
+                report.push(match push {
+                    Some(push) => in_other_network(name, push, span),
+                    None => underflow(self.depth, levels, name, span),
+                });
+                if push.is_some() {
+                    self.left_before = None;
+                }
             }
             self.told = true;
             self.depth = levels;
@@ -258,6 +274,14 @@ impl Stack {
             );
         }
     }
+}
+
+/// `name` takes a level that `push` has pushed in the network before.
+fn in_other_network(name: &str, push: Span, span: Span) -> Diagnostic {
+    Diagnostic::new(Code::StackUnderflow, span, format!("`{name}` is in another network than its LPS (0081)"))
+        .label("the network has pushed no level")
+        .also(push, "pushed here, in the network before")
+        .help(format!("write the branches from `LPS` to `{name}` in one network"))
 }
 
 fn underflow(depth: usize, levels: usize, name: &str, span: Span) -> Diagnostic {
