@@ -135,7 +135,8 @@ impl Reached<'_> {
                 all_leave && otherwise
             }
             StatementKind::For { start, end, step, body, .. } => {
-                if self.is_text && never_runs(start, end, step) && !self.counts_down(start.span, end.span) {
+                let told = self.counts_down(start.span, end.span) || self.is_cut(start) || self.is_cut(end);
+                if self.is_text && never_runs(start, end, step) && !told {
                     self.body_is_never_reached(body, start.span.to(end.span), EMPTY_RANGE);
                 }
                 self.list(body);
@@ -187,6 +188,14 @@ impl Reached<'_> {
         let text = self.sources.file(span.file).text.get(span.start as usize..span.end as usize)?;
         let is_word = self.is_text && (text.eq_ignore_ascii_case("TRUE") || text.eq_ignore_ascii_case("FALSE"));
         is_word.then_some(value != 0)
+    }
+
+    /// A number that its type cannot hold, of which the low bits are left. It was reported.
+    fn is_cut(&self, limit: &Expr) -> bool {
+        let span = limit.span;
+        let text = self.sources.file(span.file).text.get(span.start as usize..span.end as usize);
+        let written = text.and_then(|text| text.replace('_', "").parse::<i128>().ok());
+        written.is_some() && known(limit).is_some_and(|value| written != Some(value))
     }
 
     /// `10 DOWNTO 1`, which was reported.
