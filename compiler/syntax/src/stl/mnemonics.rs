@@ -178,7 +178,8 @@ pub struct Detected {
     pub first: [Option<RawToken>; 2],
 }
 
-/// Finds the set from what only one set has: mnemonics, or else area letters of operands. Without either: international.
+/// Finds the set from what only one set has: mnemonics, or else area letters of operands, which also decide if they are far more.
+/// Without either: international.
 pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected {
     let mut counts = [0u32; 2];
     let mut first = [None; 2];
@@ -204,8 +205,15 @@ pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected 
         }
     }
     let decided = if counts != [0, 0] { counts } else { operand_counts };
-    let set = wanted.unwrap_or(if decided[1] > decided[0] { Mnemonics::De } else { Mnemonics::En });
+    let found = if decided[1] > decided[0] { Mnemonics::De } else { Mnemonics::En };
+    let set = wanted.unwrap_or(if outweighed(found, counts, operand_counts) { other(found) } else { found });
     Detected { set, is_shown: decided != [0, 0], first: [first[set as usize], first[other(set) as usize]] }
+}
+
+/// Whether the addresses say that the file has the other set, and its few mnemonics of `set` are slips.
+fn outweighed(set: Mnemonics, mnemonics: [u32; 2], operands: [u32; 2]) -> bool {
+    let (own, other) = (set as usize, other(set) as usize);
+    operands[other] > 2 * (mnemonics[own] + operands[own])
 }
 
 /// The set, if only one has the mnemonic, and if the next token can follow a mnemonic.
