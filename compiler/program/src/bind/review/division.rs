@@ -2,6 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Statement, UnaryOp, walk};
+use plcc_syntax::Elementary;
 use plcc_syntax::article::with_article;
 
 /// Reports the divisions of a block. `text`: what is written at a place.
@@ -31,6 +32,47 @@ impl Divisions<'_> {
             _ => None,
         }
     }
+
+    /// Looks at a constant that is calculated from whole numbers, as `1/3`.
+    fn constant(&mut self, value: &Expr) {
+        let text = (self.text)(value.span);
+        let begin = value.span.range().start;
+        let is_digit = |sign: char| sign.is_ascii_digit() || sign == '_';
+        let calculates = |sign: char| is_digit(sign) || sign.is_ascii_whitespace() || "+-*/()".contains(sign);
+        if !text.chars().all(calculates) {
+            return;
+        }
+        for (at, _) in text.match_indices('/') {
+            let (left, right) = (text[..at].trim_end(), text[at + 1..].trim_start());
+            let start = left.trim_end_matches(is_digit).len();
+            let divisor = &right[..right.len() - right.trim_start_matches(is_digit).len()];
+            let (before, dividend) = left.split_at(start);
+            // Of `2 * 100 / 3` the dividend is 200.
+            let is_part = before.trim_end().ends_with(['*', '/']);
+            let number = |digits: &str| digits.replace('_', "").parse::<u64>().ok();
+            let (Some(a), Some(b)) = (number(dividend), number(divisor)) else { continue };
+            if is_part || a.checked_rem(b).is_none_or(|rest| rest == 0) {
+                continue;
+            }
+            let end = text.len() - right.len() + divisor.len();
+            // `text` has one blank in the place of several.
+            let division = match text.len() == value.span.range().len() {
+                true => Span::new(value.span.file, begin + start..begin + end),
+                false => value.span,
+            };
+            let fraction = format!("{dividend} / {divisor}.0");
+            return self.report(division, value.ty, &fraction, &format!("{dividend} DIV {divisor}"));
+        }
+    }
+
+    /// `fraction`, `whole`: how the author writes a division with a fraction, and one without.
+    fn report(&mut self, division: Span, ty: Elementary, fraction: &str, whole: &str) {
+        self.found.push(
+            Diagnostic::new(Code::WholeDivision, division, "this division has no fraction")
+                .label(format!("both sides are whole numbers; the result becomes {} later", with_article(ty.name())))
+                .help(format!("write `{fraction}`, or `{whole}` if the whole number is meant")),
+        );
+    }
 }
 
 impl walk::Visitor for Divisions<'_> {
@@ -39,23 +81,20 @@ impl walk::Visitor for Divisions<'_> {
     }
 
     fn expr(&mut self, value: &Expr) {
-        let ExprKind::Convert { conversion: Conversion::Value(_), operand } = &value.kind else { return };
-        if self.explicit || !value.ty.is_float() || !operand.ty.is_integer() {
+        if self.explicit || !value.ty.is_float() {
             return;
         }
+        let operand = match &value.kind {
+            ExprKind::Convert { conversion: Conversion::Value(_), operand } if operand.ty.is_integer() => operand,
+            ExprKind::Const(_) => return self.constant(value),
+            _ => return,
+        };
         let Some((division, left, right)) = self.division(operand) else { return };
         let (dividend, divisor) = ((self.text)(left.span), (self.text)(right.span));
         let fraction = match divisor.bytes().all(|byte| byte.is_ascii_digit()) {
             true => format!("{dividend} / {divisor}.0"),
             false => format!("{}_TO_{}({dividend}) / {divisor}", left.ty.name(), value.ty.name()),
         };
-        self.found.push(
-            Diagnostic::new(Code::WholeDivision, division.span, "this division has no fraction")
-                .label(format!(
-                    "both sides are whole numbers; the result becomes {} later",
-                    with_article(value.ty.name())
-                ))
-                .help(format!("write `{fraction}`, or `{dividend} DIV {divisor}` if the whole number is meant")),
-        );
+        self.report(division.span, value.ty, &fraction, &format!("{dividend} DIV {divisor}"));
     }
 }
