@@ -89,10 +89,15 @@ impl SclBinder<'_, '_> {
                 }
             },
             Constant::Real(value) => match ty.class() {
-                Class::Float => match self.program.globals.nearest(constant, ty, span) {
-                    Constant::Typed { bits, .. } => give(bits),
-                    _ => give(float_bits(*value, ty)),
-                },
+                Class::Float => {
+                    if ty == Elementary::Real && (*value as f32).is_infinite() {
+                        self.infinite(rules, span);
+                    }
+                    match self.program.globals.nearest(constant, ty, span) {
+                        Constant::Typed { bits, .. } => give(bits),
+                        _ => give(float_bits(*value, ty)),
+                    }
+                }
                 _ => {
                     let value = Expr {
                         kind: ExprKind::Const(float_bits(*value, Elementary::Real)),
@@ -149,6 +154,22 @@ impl SclBinder<'_, '_> {
         });
         self.wrong_type(span, &is, ty.name(), help);
         None
+    }
+
+    /// A constant that is too large for a REAL. S7-SCL of STEP 7 V5 refuses it, the TIA Portal computes with infinity.
+    fn infinite(&mut self, rules: Rules, span: Span) {
+        let text = self.program.globals.text(span);
+        let (code, label) = match rules {
+            Rules::Classic => (Code::LiteralRange, "a REAL is a number from -3.402823e+38 to 3.402823e+38"),
+            Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => {
+                (Code::Narrowing, "it becomes infinite; a REAL is a number from -3.402823e+38 to 3.402823e+38")
+            }
+        };
+        self.program.report(
+            Diagnostic::new(code, span, format!("`{text}` does not fit type REAL"))
+                .label(label)
+                .help("give the variable the type LREAL, or write a value that fits"),
+        );
     }
 
     /// A constant that loses bits in the type of its partner. S7-SCL of STEP 7 V5 refuses it, the TIA Portal computes with the low bits.
