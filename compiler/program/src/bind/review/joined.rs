@@ -69,7 +69,7 @@ impl Conditions<'_> {
     fn comparison(&self, op: CompareOp, left: &Expr, right: &Expr, span: Span) -> Option<Comparison> {
         let (op, value, bits) = match (&left.kind, &right.kind) {
             (_, ExprKind::Const(bits)) => (op, left, *bits),
-            (ExprKind::Const(bits), _) => (turned(op), right, *bits),
+            (ExprKind::Const(bits), _) => (op.turned(), right, *bits),
             _ => return None,
         };
         let ty = value.ty;
@@ -91,18 +91,6 @@ impl Conditions<'_> {
 
     fn written(&self, span: Span) -> String {
         (self.text)(span).split_whitespace().collect::<Vec<_>>().join(" ")
-    }
-}
-
-/// The comparison with its sides exchanged.
-const fn turned(op: CompareOp) -> CompareOp {
-    match op {
-        CompareOp::Equal => CompareOp::Equal,
-        CompareOp::NotEqual => CompareOp::NotEqual,
-        CompareOp::Less => CompareOp::Greater,
-        CompareOp::LessEqual => CompareOp::GreaterEqual,
-        CompareOp::Greater => CompareOp::Less,
-        CompareOp::GreaterEqual => CompareOp::LessEqual,
     }
 }
 

@@ -14,6 +14,7 @@ use super::value::Value;
 use super::{Rules, constant, text, time};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
+use plcc_binding::rewrite;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Actual, BinaryOp, CompareOp, Complex, Expr, ExprKind};
 use plcc_model::types::DataType;
@@ -183,30 +184,49 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    /// Reports a comparison with a constant outside the other side's type.
+    /// Reports a comparison in type `ty` with a constant at an end of the values that the other side can have, or beyond it.
     fn decided_before(&mut self, op: CompareOp, op_span: Span, left: &Value, right: &Value, ty: Elementary) {
-        let unsigned = |value: &Value| match Shape::of(value) {
-            Shape::Of(ty) => matches!(ty.class(), Class::Unsigned),
-            _ => false,
+        let (op, value, number, written) = match (whole_number(left), whole_number(right)) {
+            (None, Some(number)) => (op, left, number, right.span()),
+            (Some(number), None) => (op.turned(), right, number, left.span()),
+            (None, None) | (Some(_), Some(_)) => return,
         };
-        let zero = |value: &Value| match value {
-            Value::Constant(Constant::Integer { value: 0, .. }, _) => true,
-            other => {
-                typed_constant(other).is_some_and(|(ty, bits)| ty.is_integer() && constant::integer(ty, bits) == 0)
-            }
+        let own = match Shape::of(value) {
+            Shape::Of(own) if own.is_integer() && ty.is_integer() => own,
+            _ => return,
         };
+        let (low, high) = constant::range(own);
+        let (least, greatest) = constant::range(ty);
+        // Where `ty` does not hold a side, the CPU compares another value.
+        if ![low, high, number].iter().all(|side| (least..=greatest).contains(side)) {
+            return;
+        }
         let always = match op {
-            CompareOp::Less if unsigned(left) && zero(right) => Some(false),
-            CompareOp::GreaterEqual if unsigned(left) && zero(right) => Some(true),
-            CompareOp::Greater if zero(left) && unsigned(right) => Some(false),
-            CompareOp::LessEqual if zero(left) && unsigned(right) => Some(true),
-            _ => None,
+            CompareOp::Less if number <= low => false,
+            CompareOp::Less if number > high => true,
+            CompareOp::GreaterEqual if number <= low => true,
+            CompareOp::GreaterEqual if number > high => false,
+            CompareOp::Greater if number >= high => false,
+            CompareOp::Greater if number < low => true,
+            CompareOp::LessEqual if number >= high => true,
+            CompareOp::LessEqual if number < low => false,
+            CompareOp::Equal if number < low || number > high => false,
+            CompareOp::NotEqual if number < low || number > high => true,
+            _ => return,
         };
-        let Some(always) = always else { return };
+        let is_sign = low == 0 && number == 0;
+        // A named constant may have another value in the next version.
+        if !is_sign && !is_written_number(&self.program.globals.text(written)) {
+            return;
+        }
         let word = if always { "TRUE" } else { "FALSE" };
+        let label = match is_sign {
+            true => format!("a value of type {} is never negative", own.name()),
+            false => rewrite::holds(own),
+        };
         self.program.report(
             Diagnostic::new(Code::AlwaysSame, op_span, format!("this comparison is always {word}"))
-                .label(format!("a value of type {} is never negative", ty.name()))
+                .label(label)
                 .help("compare with another value, or remove the condition"),
         );
     }
@@ -277,6 +297,22 @@ impl SclBinder<'_, '_> {
             results.push(self.compare(ctx, operator, op_span, a, b, span)?);
         }
         balanced(join, results, span)
+    }
+}
+
+/// The value of a constant that is a whole number.
+fn whole_number(value: &Value) -> Option<i128> {
+    match value {
+        Value::Constant(Constant::Integer { value, .. }, _) => Some(*value),
+        other => typed_constant(other).filter(|(ty, _)| ty.is_integer()).map(|(ty, bits)| constant::integer(ty, bits)),
+    }
+}
+
+/// Whether a constant is written as a number, as `32767`, `-1` or `INT#5`, and not by a name.
+fn is_written_number(text: &str) -> bool {
+    match text.split_once('#') {
+        Some((before, _)) => before.starts_with(|first: char| first.is_ascii_alphanumeric()),
+        None => text.starts_with(|first: char| first.is_ascii_digit() || first == '-'),
     }
 }
 
