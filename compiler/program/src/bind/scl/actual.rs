@@ -48,7 +48,11 @@ impl SclBinder<'_, '_> {
         }
         match &formal.ty {
             DataType::Elementary(ty) => match intent {
-                Intent::Read => Some(Actual::Value(self.of_type(ctx, node, *ty)?)),
+                Intent::Read => {
+                    let value = self.value(ctx, node)?;
+                    self.number_for_duration(ctx, &value, *ty);
+                    Some(Actual::Value(self.convert(ctx, value, *ty)?))
+                }
                 Intent::Write | Intent::Both => self.elementary_variable(ctx, callee, formal, *ty, node, intent),
             },
             DataType::DateAndTime

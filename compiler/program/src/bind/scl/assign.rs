@@ -177,6 +177,7 @@ impl SclBinder<'_, '_> {
         };
         if let Some(ty) = target.elementary() {
             let value = self.for_address(ctx, value, target.span, ty);
+            self.number_for_duration(ctx, &value, ty);
             let value = self.convert(ctx, value, ty)?;
             let value = with_else(ctx.scope.rules, &target, value);
             return Some(StatementKind::Assign { target, value });

@@ -156,6 +156,26 @@ impl SclBinder<'_, '_> {
         None
     }
 
+    /// Warns of a number that is assigned or passed to a duration. Source: SCL reference, implicit conversion.
+    pub(super) fn number_for_duration(&mut self, ctx: &SclBlock, value: &Value, ty: Elementary) {
+        let Value::Constant(Constant::Integer { value: number, .. }, span) = value else { return };
+        let (own, unit) = match ty {
+            Elementary::Time => (Elementary::Dint, "milliseconds"),
+            Elementary::Ltime => (Elementary::Lint, "nanoseconds"),
+            _ => return,
+        };
+        let converts = convert::implicit(ctx.scope.rules, ctx.scope.strict, own, ty) == Implicit::Yes;
+        if *number == 0 || !converts || !fits(*number, false, own) || ctx.scope.is_network() {
+            return;
+        }
+        let text = self.program.globals.text(*span);
+        self.program.report(
+            Diagnostic::new(Code::Tolerated, *span, format!("`{text}` is a number without a unit"))
+                .label(format!("taken as {unit}"))
+                .help(rewrite::help(ty, &text, rewrite::Form::Scl)),
+        );
+    }
+
     /// A constant that is too large for a REAL. S7-SCL of STEP 7 V5 refuses it, the TIA Portal computes with infinity.
     fn infinite(&mut self, rules: Rules, span: Span) {
         let text = self.program.globals.text(span);
