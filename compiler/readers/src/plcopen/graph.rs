@@ -244,7 +244,11 @@ impl Build<'_, '_, '_> {
             [Origin::Pin(element, formal)] => self.turn(*element, formal, object),
             _ => None,
         };
+        let is_plain = object.modifiers.storage == Storage::None && !object.modifiers.negated;
+        let float = self.float_variable(object).filter(|_| is_plain);
+        let becomes_float = float.is_some() && self.bits(input).is_some();
         if let [Origin::Pin(element, _)] = origins.as_slice()
+            && !becomes_float
             && self
                 .objects
                 .iter()
@@ -259,11 +263,9 @@ impl Build<'_, '_, '_> {
         let operand = self.operand(object);
         let value = self.input(Some(input), object.span);
         let span = object.span;
-        let is_value = (matches!(&value, PinValue::Operand(_)) || turn == Some(Turn::Value))
-            && object.modifiers.storage == Storage::None
-            && !object.modifiers.negated;
-        let (row, mut pins) = if is_value {
-            let value = self.as_float(value, input, self.float_variable(object).as_ref());
+        let is_value = matches!(&value, PinValue::Operand(_)) || turn == Some(Turn::Value) || becomes_float;
+        let (row, mut pins) = if is_value && is_plain {
+            let value = self.as_float(value, input, float.as_ref());
             ("Move", vec![pin("in", value, false, span), pin("out1", operand, true, span)])
         } else {
             let row = match object.modifiers.storage {

@@ -39,6 +39,11 @@ pub fn inputs(name: &str, kinds: &[Option<Ty>]) -> Option<(usize, Ty)> {
     Some((first, float.clone()))
 }
 
+/// BYTE, WORD, DWORD or LWORD.
+pub fn is_bit_string(ty: &Ty) -> bool {
+    matches!(ty, Ty::Of(ty) if BIT_STRINGS.contains(&ty.name()))
+}
+
 /// A bit string that meets a float: the float of its value. `kind` is the type of `value`, before and after.
 pub fn of_bits(value: &mut Expr, kind: &mut Option<Ty>, float: &Ty) {
     let (Some(Ty::Of(bits)), Ty::Of(wanted)) = (&*kind, float) else { return };
