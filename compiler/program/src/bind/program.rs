@@ -29,7 +29,7 @@ use plcc_binding::constant::Constant;
 use plcc_binding::pragma::is_asserted;
 use plcc_binding::{BindInput, Bound, fold};
 use plcc_model::types::{DataType, Member};
-use plcc_model::{BlockConstant, BlockKey, Body, CodeBlock, Interface, Parameter, Program, profile};
+use plcc_model::{BlockConstant, BlockKey, Body, CodeBlock, Interface, Parameter, Program, layout, profile};
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
@@ -189,8 +189,30 @@ pub fn bind_system_blocks(program: &mut Declarations, blocks: &mut Vec<CodeBlock
     while let Some(used) = program.globals.library.used.get(next) {
         let (key, span, runtime) = (used.key, used.span, used.runtime);
         next += 1;
+        let told = program.globals.report.diagnostics.len();
         blocks.extend(bind_block(program, key, Some(span), runtime));
+        if program.globals.is_instruction(key) {
+            refuse_types(program, key, told, span);
+        }
     }
+}
+
+/// What is wrong in the function that computes a call of an instruction, after the first `told` messages, is one message about the call:
+/// the instruction does not take values of these types.
+fn refuse_types(program: &mut Declarations, key: BlockKey, told: usize, span: Span) {
+    let messages = program.globals.report.diagnostics.split_off(told);
+    let (inside, others): (Vec<_>, Vec<_>) =
+        messages.into_iter().partition(|message| message.primary.span.file == SYSTEM_FILE);
+    program.globals.report.diagnostics.extend(others);
+    if inside.is_empty() {
+        return;
+    }
+    let Some(bound) = program.interface(key, span) else { return };
+    let parameters = bound.interface.parameters.iter();
+    let types: Vec<String> =
+        parameters.map(|parameter| format!("{} is {}", parameter.name, layout::type_name(&parameter.ty))).collect();
+    let title = format!("{} does not take these types", program.globals.shown(key));
+    program.report(Diagnostic::new(Code::TypeMismatch, span, title).label(types.join(", ")));
 }
 
 fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span>, runtime: bool) -> Option<CodeBlock> {

@@ -290,6 +290,11 @@ impl Globals<'_> {
         key
     }
 
+    /// Whether a block is a function for calls of an instruction in STL.
+    pub fn is_instruction(&self, key: BlockKey) -> bool {
+        self.library.instruction(key).is_some()
+    }
+
     /// Notes the use of a library block; false if it does not exist, which is reported.
     pub fn use_system(&mut self, key: BlockKey, span: Span) -> bool {
         if self.library.known.contains(&key) {
