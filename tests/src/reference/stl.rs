@@ -42,7 +42,8 @@ pub fn reference() -> String {
          Printed from the instruction table; do not edit. The status word column stands for\n\
          BR CC1 CC0 OV OS OR STA RLO /FC: `-` not touched, `x` computed, `0` and `1` forced.\n\
          OS is only ever set by arithmetic, never cleared. `CALL` has a syntax of its own.\n\
-         On an S7-1500 it also calls MOVE, NORM_X, SCALE_X, LIMIT, SEL, MUX, MIN and MAX with the output OUT,\n\
+         On an S7-1500 it also calls MOVE, NORM_X, SCALE_X, LIMIT, SEL, MUX, MIN, MAX, CONVERT, SWAP, T_ADD, T_SUB, T_DIFF,\n\
+         T_CONV, S_MOVE, S_CONV, STRG_VAL and VAL_STRG with the output OUT, T_COMP and S_COMP for a relation, `relation := GE`,\n\
          and an index may be a variable: `L #list[#i]`, `A \"Data\".motors[\"Number\"].runs`.\n",
     );
     for (heading, chapter, first, last) in FAMILIES {

@@ -97,9 +97,7 @@ const INSTRUCTIONS: &[Instruction] = &[
 /// Instructions that plcc only has in SCL, LAD and FBD.
 #[rustfmt::skip]
 const ELSEWHERE: &[&str] = &[
-    "ABS", "ACOS", "ASIN", "ATAN", "CEIL", "CONVERT", "COS", "DEMUX", "EXP", "EXPT", "FILL_BLK", "FLOOR", "FRAC", "GATHER",
-    "GATHER_BLK", "LN", "MOVE_BLK", "ROUND", "SCATTER", "SCATTER_BLK", "SIN", "SQR", "SQRT", "STRG_VAL", "SWAP", "S_CONV", "S_MOVE", "TAN",
-    "TRUNC", "T_ADD", "T_CONV", "T_DIFF", "T_SUB", "UFILL_BLK", "UMOVE_BLK", "VAL_STRG",
+    "DEMUX", "EXPT", "FILL_BLK", "GATHER", "GATHER_BLK", "MOVE_BLK", "SCATTER", "SCATTER_BLK", "UFILL_BLK", "UMOVE_BLK",
 ];
 
 /// The types for which an instruction is called.

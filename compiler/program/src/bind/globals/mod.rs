@@ -3,12 +3,13 @@
 //! - [`collect`] reads the tables and numbers the blocks of the [`sources`], so that their order does not matter; [`ob`] finds out what
 //!   starts organization blocks.
 //! - [`names`] finds names and numbers, also those of the [`library`]; [`constant`] computes constants of all languages;
-//!   [`instruction`] has functions for instructions that STL calls.
+//!   [`instruction`] and [`form`] have functions for instructions that STL calls.
 //! - [`addresses`] checks addresses against the CPU; [`hardware`] has its constants, [`system_memory`] its tags, [`rules`] its dialect.
 
 pub mod addresses;
 pub mod collect;
 pub mod constant;
+pub mod form;
 pub mod hardware;
 pub mod instruction;
 pub mod library;

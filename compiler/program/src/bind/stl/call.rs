@@ -22,6 +22,9 @@ use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, 
 
 impl StlBinder<'_, '_> {
     pub fn bind_call(&mut self, ctx: &mut CurrentBlock, call: &ast::Call, span: Span) -> Option<Call> {
+        if let Some(form) = self.called_form(call) {
+            return self.bind_form(ctx, call, form);
+        }
         let Some((key, own, bound)) = self.call_target(ctx, call) else {
             self.note_names(ctx, call);
             return None;
@@ -93,7 +96,7 @@ impl StlBinder<'_, '_> {
     }
 
     /// Names in a call that cannot be checked are still looked up, so that all undefined ones are reported.
-    fn note_names(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) {
+    pub fn note_names(&mut self, ctx: &mut CurrentBlock, call: &ast::Call) {
         let values = call.parameters.iter().filter(|parameter| !names_a_type(parameter));
         let actuals = values.filter_map(|parameter| parameter.actual.as_ref());
         for operand in call.instance.iter().chain(actuals) {
@@ -113,7 +116,7 @@ impl StlBinder<'_, '_> {
         None
     }
 
-    fn call_arguments(
+    pub fn call_arguments(
         &mut self,
         ctx: &mut CurrentBlock,
         call: &ast::Call,
@@ -229,7 +232,7 @@ impl StlBinder<'_, '_> {
     }
 
     /// Outputs that overlap other actuals of the call have values that depend on the order of copying.
-    fn check_overlaps(&mut self, bound: &BoundInterface, arguments: &[Argument]) {
+    pub fn check_overlaps(&mut self, bound: &BoundInterface, arguments: &[Argument]) {
         let ranges: Vec<(&Argument, Direction, Area, u32, u32)> = arguments
             .iter()
             .filter_map(|argument| {

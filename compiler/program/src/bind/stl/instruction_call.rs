@@ -1,6 +1,6 @@
 //! `CALL NORM_X`, `CALL LIMIT` and other instructions of the TIA Portal that SCL computes in place.
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, Width};
 
 use crate::bind::declarations::block::CurrentBlock;
@@ -33,13 +33,7 @@ impl StlBinder<'_, '_> {
         instruction: &'static Instruction,
     ) -> Option<BlockKey> {
         let (name, span) = (instruction.name, call.target.span);
-        if !portal_cpu(self.program.globals.input) {
-            let cpu = &self.program.globals.input.profile.name;
-            self.program.report(
-                Diagnostic::new(Code::CpuInstruction, span, format!("`CALL {name}` needs an S7-1500"))
-                    .label(format!("the CPU is {cpu}"))
-                    .help("name the CPU, e.g. --cpu s7-1500"),
-            );
+        if !self.has_instructions(name, span) {
             return None;
         }
         let value = self.type_of_pins(ctx, call, instruction, PinType::Value)?;
@@ -92,9 +86,26 @@ impl StlBinder<'_, '_> {
             (true, PinType::Result) => "dest_type",
             (true, _) => "src_type",
         };
-        let title = format!("`{}` is called for no type", instruction.name);
+        self.no_type(instruction.name, word, call.target.span)
+    }
+
+    /// Whether the CPU has instructions with types; reports it if not.
+    pub fn has_instructions(&mut self, name: &str, span: Span) -> bool {
+        if portal_cpu(self.program.globals.input) {
+            return true;
+        }
+        let cpu = &self.program.globals.input.profile.name;
+        let message = Diagnostic::new(Code::CpuInstruction, span, format!("`CALL {name}` needs an S7-1500"))
+            .label(format!("the CPU is {cpu}"))
+            .help("name the CPU, e.g. --cpu s7-1500");
+        self.program.report(message);
+        false
+    }
+
+    /// Reports a call without a type; `word`: the parameter that names one.
+    pub fn no_type<T>(&mut self, name: &str, word: &str, span: Span) -> Option<T> {
         self.program.report(
-            Diagnostic::new(Code::MissingParameter, call.target.span, title)
+            Diagnostic::new(Code::MissingParameter, span, format!("`{name}` is called for no type"))
                 .label("none of its actual parameters tells the type")
                 .help(format!("name it as the first parameter, e.g. `{word} := Int`")),
         );

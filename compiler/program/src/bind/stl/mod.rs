@@ -2,12 +2,14 @@
 //!
 //! - [`statement`]: labels, jump lists and the instructions of a block; [`move_call`]: `CALL MOVE`.
 //! - [`settle`]: what an operand is, [`constant`] if it names one; [`operand`] checks it against the instruction table.
-//! - [`call`]: `CALL`; [`instance`]: its instance; [`actual`]: what it passes; [`instruction_call`]: calls of instructions.
+//! - [`call`]: `CALL`; [`instance`]: its instance; [`actual`]: what it passes; [`instruction_call`], [`form_call`]: calls of
+//!   instructions.
 //! - [`pragma`]: assertions of tests, in SCL too.
 
 mod actual;
 mod call;
 mod constant;
+mod form_call;
 pub mod instance;
 mod instruction_call;
 mod move_call;

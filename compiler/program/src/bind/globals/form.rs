@@ -1,0 +1,230 @@
+//! Instructions of the TIA Portal each of whose pins has the type of its own actual parameter, as functions for STL: `CALL T_ADD`,
+//! `CALL S_CONV`, `CALL S_COMP`.
+//!
+//! As in [`super::instruction`], a call becomes a function in SCL with one statement, which is bound as a block of the library, and its
+//! ENO becomes BR.
+//! Source: S7-1500 information system, basic and extended instructions of STL; SCL reference, functions.
+
+use std::fmt::Write;
+
+use plcc_model::Direction;
+use plcc_syntax::Elementary;
+
+/// Where the type of a pin comes from. The word is that of a type that a call names: `src` for `src_type`; pins with the same word
+/// have the same type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PinType {
+    Fixed(Elementary),
+    /// From the actual parameter.
+    Actual(&'static str),
+}
+
+/// A parameter of an instruction.
+#[derive(Debug)]
+pub struct Pin {
+    pub name: &'static str,
+    pub direction: Direction,
+    pub ty: PinType,
+}
+
+/// How SCL computes an instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Computation {
+    /// `OUT := T_ADD(IN1 := …)`.
+    Value,
+    /// `S_CONV(IN := …, OUT => …)`.
+    Output,
+    /// `OUT := INT_TO_REAL(IN := …)`.
+    Conversion,
+    /// `OUT := CEIL_DINT(IN := …)`.
+    Rounding,
+    /// `OUT := IN1 >= IN2`, with the relation that the call names.
+    Comparison,
+}
+
+/// An instruction, every pin of which a call supplies.
+#[derive(Debug)]
+pub struct Form {
+    pub name: &'static str,
+    pub computation: Computation,
+    pub pins: &'static [Pin],
+}
+
+/// A pin in a call.
+#[derive(Debug)]
+pub struct PinOfCall {
+    pub pin: &'static Pin,
+    /// As a declaration writes it.
+    pub ty: String,
+}
+
+const fn input(name: &'static str, ty: PinType) -> Pin {
+    Pin { name, direction: Direction::Input, ty }
+}
+
+const fn output(name: &'static str, ty: PinType) -> Pin {
+    Pin { name, direction: Direction::Output, ty }
+}
+
+const fn in_out(name: &'static str, ty: PinType) -> Pin {
+    Pin { name, direction: Direction::InOut, ty }
+}
+
+const VALUE: PinType = PinType::Actual("value");
+const SOURCE: PinType = PinType::Actual("src");
+const RESULT: PinType = PinType::Actual("dest");
+const TEXT: PinType = PinType::Actual("string");
+const TIME: PinType = PinType::Actual("time");
+/// What T_ADD and T_SUB add to a time, which may be one of another type.
+const DURATION: PinType = PinType::Actual("duration");
+
+const BOOL: PinType = PinType::Fixed(Elementary::Bool);
+const USINT: PinType = PinType::Fixed(Elementary::Usint);
+const UINT: PinType = PinType::Fixed(Elementary::Uint);
+const WORD: PinType = PinType::Fixed(Elementary::Word);
+
+const OF_VALUE: &[Pin] = &[input("IN", VALUE), output("OUT", VALUE)];
+const FROM_SOURCE: &[Pin] = &[input("IN", SOURCE), output("OUT", RESULT)];
+
+#[rustfmt::skip]
+const FORMS: &[Form] = &[
+    Form { name: "ABS", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "SQR", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "SQRT", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "LN", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "EXP", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "SIN", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "COS", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "TAN", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "ASIN", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "ACOS", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "ATAN", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "FRAC", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "SWAP", computation: Computation::Value, pins: OF_VALUE },
+    Form { name: "CONVERT", computation: Computation::Conversion, pins: FROM_SOURCE },
+    Form { name: "ROUND", computation: Computation::Rounding, pins: FROM_SOURCE },
+    Form { name: "CEIL", computation: Computation::Rounding, pins: FROM_SOURCE },
+    Form { name: "FLOOR", computation: Computation::Rounding, pins: FROM_SOURCE },
+    Form { name: "TRUNC", computation: Computation::Rounding, pins: FROM_SOURCE },
+    Form {
+        name: "T_ADD", computation: Computation::Value,
+        pins: &[input("IN1", TIME), input("IN2", DURATION), output("OUT", TIME)],
+    },
+    Form {
+        name: "T_SUB", computation: Computation::Value,
+        pins: &[input("IN1", TIME), input("IN2", DURATION), output("OUT", TIME)],
+    },
+    Form {
+        name: "T_DIFF", computation: Computation::Value,
+        pins: &[input("IN1", TIME), input("IN2", TIME), output("OUT", RESULT)],
+    },
+    Form { name: "T_CONV", computation: Computation::Value, pins: FROM_SOURCE },
+    Form {
+        name: "T_COMP", computation: Computation::Comparison,
+        pins: &[input("IN1", TIME), input("IN2", TIME), output("OUT", BOOL)],
+    },
+    Form {
+        name: "S_COMP", computation: Computation::Comparison,
+        pins: &[input("IN1", TEXT), input("IN2", TEXT), output("OUT", BOOL)],
+    },
+    Form { name: "S_MOVE", computation: Computation::Output, pins: &[input("IN", TEXT), output("OUT", TEXT)] },
+    Form { name: "S_CONV", computation: Computation::Output, pins: FROM_SOURCE },
+    Form {
+        name: "STRG_VAL", computation: Computation::Output,
+        pins: &[input("IN", SOURCE), input("FORMAT", WORD), input("P", UINT), output("OUT", RESULT)],
+    },
+    Form {
+        name: "VAL_STRG", computation: Computation::Output,
+        // The text keeps what stands before and after the number.
+        pins: &[
+            input("IN", SOURCE), input("SIZE", USINT), input("PREC", USINT), input("FORMAT", WORD), input("P", UINT),
+            in_out("OUT", RESULT),
+        ],
+    },
+];
+
+/// The relations that a call of a comparison names, and the operators of SCL.
+const RELATIONS: [(&str, &str); 6] = [("EQ", "="), ("NE", "<>"), ("GT", ">"), ("GE", ">="), ("LT", "<"), ("LE", "<=")];
+
+/// The operator of SCL for a relation, in any letter case.
+pub fn relation(word: &str) -> Option<&'static str> {
+    RELATIONS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word.trim())).map(|(_, operator)| *operator)
+}
+
+impl Form {
+    /// The instruction with this name, in any letter case.
+    pub fn find(name: &str) -> Option<&'static Form> {
+        FORMS.iter().find(|form| form.name.eq_ignore_ascii_case(name.trim()))
+    }
+
+    /// The function for a call: `operator` is that of a comparison.
+    pub fn function(&self, pins: &[PinOfCall], operator: &str) -> String {
+        let mut declarations = String::new();
+        for (section, direction) in
+            [("VAR_INPUT", Direction::Input), ("VAR_OUTPUT", Direction::Output), ("VAR_IN_OUT", Direction::InOut)]
+        {
+            let _ = writeln!(declarations, "{section}");
+            for PinOfCall { pin, ty } in pins.iter().filter(|one| one.pin.direction == direction) {
+                let _ = writeln!(declarations, "  {} : {ty} ;", pin.name);
+            }
+            declarations.push_str("END_VAR\n");
+        }
+        let mut inputs = String::new();
+        for pin in self.pins.iter().filter(|pin| pin.name != "OUT") {
+            let _ = write!(inputs, "{0} := #{0}, ", pin.name);
+        }
+        let word = |name: &str| pins.iter().find(|one| one.pin.name == name).map_or("", |one| conversion_word(&one.ty));
+        let name = self.name;
+        let statement = match self.computation {
+            Computation::Value => format!("#OUT := {name}({inputs}ENO => #good);"),
+            Computation::Output => format!("{name}({inputs}OUT => #OUT, ENO => #good);"),
+            Computation::Conversion => {
+                format!("#OUT := {}_TO_{}({inputs}ENO => #good);", word("IN"), word("OUT"))
+            }
+            Computation::Rounding => format!("#OUT := {name}_{}({inputs}ENO => #good);", word("OUT")),
+            Computation::Comparison => format!("#OUT := #IN1 {operator} #IN2;\n  #good := TRUE;"),
+        };
+        format!(
+            "FUNCTION SFC 60000 : VOID\nNAME : {name}\n{declarations}VAR_TEMP\n  good : BOOL ;\nEND_VAR\n\
+             BEGIN\n  {statement}\n  ENO := #good;\nEND_FUNCTION\n"
+        )
+    }
+}
+
+/// A type in the name of a conversion.
+fn conversion_word(ty: &str) -> &str {
+    match ty {
+        "TIME_OF_DAY" => "TOD",
+        "DATE_AND_TIME" => "DT",
+        _ => ty.trim_matches('"'),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn function(name: &str, types: &[&str], operator: &str) -> String {
+        let form = Form::find(name).expect("it is in the table");
+        let pins = form.pins.iter().zip(types).map(|(pin, ty)| PinOfCall { pin, ty: (*ty).to_owned() });
+        form.function(&pins.collect::<Vec<_>>(), operator)
+    }
+
+    #[test]
+    fn pins_are_declared_with_their_types() {
+        let text = function("val_strg", &["REAL", "USINT", "USINT", "WORD", "UINT", "STRING"], "");
+        assert!(text.contains("VAR_INPUT\n  IN : REAL ;\n  SIZE : USINT ;\n"));
+        assert!(text.contains("VAR_IN_OUT\n  OUT : STRING ;\nEND_VAR\n"));
+        assert!(text.contains("FORMAT := #FORMAT, P := #P, OUT => #OUT, ENO => #good);\n"));
+    }
+
+    #[test]
+    fn each_computation_is_one_statement() {
+        let text = function("T_SUB", &["DATE_AND_TIME", "TIME", "DATE_AND_TIME"], "");
+        assert!(text.contains("  #OUT := T_SUB(IN1 := #IN1, IN2 := #IN2, ENO => #good);\n"));
+        assert!(function("CONVERT", &["TIME_OF_DAY", "UDINT"], "").contains("#OUT := TOD_TO_UDINT(IN := #IN, "));
+        assert!(function("CEIL", &["REAL", "DINT"], "").contains("#OUT := CEIL_DINT(IN := #IN, "));
+        let operator = relation("ge").expect("it is a relation");
+        assert!(function("S_COMP", &["STRING", "STRING", "BOOL"], operator).contains("#OUT := #IN1 >= #IN2;\n"));
+    }
+}
