@@ -343,7 +343,7 @@ fn run_redrawn(path: &Path, language: Language) -> Result<usize, String> {
     if redrawn == 0 {
         return Ok(0);
     }
-    let document = plcc_convert::sd::write(&unit, Trivia::new(&text, scl::comments(&text), false), Some(&text));
+    let document = plcc_convert::sd::rewrite(&unit, Trivia::new(&text, scl::comments(&text), false), &text, true);
     if has_errors(&document.messages) {
         return Err(format!("{:#?}", document.messages));
     }

@@ -102,7 +102,7 @@ fn round_trip(
     if has_errors(&written.messages) {
         return Some(Err(format!("{:#?}", written.messages)));
     }
-    let texts = written.texts.map(|texts| Texts::parse(FileId::default(), &texts).0);
+    let texts = written.texts.map(|texts| Texts::parse(FileId::default(), &texts).0).or(texts_beside);
     let options = ReadOptions { language, texts: texts.as_ref(), ..Default::default() };
     let (again, messages) = plcc_readers::parse(FileId::default(), &written.text, &options);
     if has_errors(&messages) {
@@ -198,7 +198,7 @@ fn scl_reads_back_as_it_was() {
 fn simatic_sd_reads_back_as_it_was() {
     all_come_back(sources("s7dcl"), 60, scl::comments, |unit, text| {
         let trivia = Trivia::new(text, scl::comments(text), false);
-        let document = plcc_convert::sd::write(unit, trivia, Some(text));
+        let document = plcc_convert::sd::rewrite(unit, trivia, text, false);
         Written { text: document.text, texts: document.texts, messages: document.messages }
     });
 }

@@ -10,6 +10,7 @@ use plcc_syntax::scl::keyword::Keyword;
 
 use crate::operand;
 use crate::scl::expression;
+use crate::sd::attributes::in_braces;
 use crate::to_stl::types::elementary;
 use crate::writer::{Notation, Writer};
 use crate::xml::cased;
@@ -217,7 +218,9 @@ impl Writer<'_> {
         self.out.indent();
         for constant in constants {
             self.remarks_before(constant.name_span.start);
-            let name = self.declared(&constant.name, constant.name_span);
+            let written = self.attributes_before(constant.name_span.start);
+            let attributes = if written.is_empty() { String::new() } else { in_braces(&written) + " " };
+            let name = attributes + &self.declared(&constant.name, constant.name_span);
             let value = match (&constant.value, &constant.initial) {
                 (Some(value), _) => expression::text(value, self),
                 (None, Some(value)) => self.initial(value),
@@ -253,14 +256,17 @@ impl Writer<'_> {
     fn variable(&mut self, list: &[Variable]) {
         let [variable, others @ ..] = list else { return };
         self.remarks_before(variable.name_span.start);
-        let own = variable.comment.as_ref();
+        let written = self.attributes_before(variable.name_span.start);
+        let own = variable.comment.as_ref().filter(|_| !written.iter().any(|attribute| attribute.is("S7_MLC")));
         // After the declaration there is room for one line.
         let is_long = self.notation != Notation::Gr7 && own.is_some_and(|comment| comment.contains('\n'));
         if let Some(comment) = own.filter(|_| is_long) {
             comment.lines().for_each(|line| self.out.line(format!("// {}", line.trim()).trim_end()));
         }
         let mut head = self.declared(&variable.name, variable.name_span);
-        if !variable.attributes.is_empty() && self.notation == Notation::Sd {
+        if !written.is_empty() {
+            head = format!("{} {head}", in_braces(&written));
+        } else if !variable.attributes.is_empty() && self.notation == Notation::Sd {
             let list = variable.attributes.iter().map(|(key, value)| format!("{key} := \"{value}\""));
             head = format!("{{ {} }} {head}", list.collect::<Vec<_>>().join("; "));
         } else if !variable.attributes.is_empty() {
@@ -302,12 +308,12 @@ impl Writer<'_> {
         self.out.remarks(&remarks);
     }
 
-    /// A name that is declared, in quotes if it must have them; a word of the language, or one with letters of other languages, if it has
-    /// them in the source: `"IF"`.
+    /// A name that is declared, in quotes if it must have them; a word of the language, one with letters of other languages, and any name
+    /// of a document, if it has them in the source: `"IF"`.
     pub(crate) fn declared(&self, name: &str, span: Span) -> String {
         // No keyword, but half of `END IF`.
         let is_word = Keyword::from_word(name).is_some() || name.eq_ignore_ascii_case("END");
-        let may_have = is_word || !name.is_ascii();
+        let may_have = is_word || !name.is_ascii() || self.braces.is_some();
         let has_quotes = is_word && self.quotes_words || may_have && self.is_quoted(name, span);
         if has_quotes { names::symbol(name) } else { names::declared(name) }
     }
@@ -402,6 +408,8 @@ impl Writer<'_> {
                 let text = self.source.and_then(|source| source.get(ty.span.range())).map(str::trim);
                 let own = text.filter(|text| match (text.strip_prefix("_."), name) {
                     (Some(own), BlockName::Symbol { name, .. }) => own.trim_matches('"') == name,
+                    // `Unit.Namespace.Valve`
+                    (None, BlockName::Symbol { name, .. }) => self.braces.is_some() && *text == name,
                     _ => false,
                 });
                 own.map_or_else(|| self.block_name(name), str::to_string)

@@ -5,12 +5,13 @@
 //!            └─── element    another rung, which begins at the wire of the net
 //! ```
 
+pub(crate) mod attributes;
 mod wires;
 mod written;
 
 use plcc_diag::Diagnostic;
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{Block, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, SourceUnit, TypeBlock};
+use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, DataBlock, DataContent, SourceUnit, TypeBlock};
 use plcc_syntax::network::ast::{
     Comparison, Content, Element, Eno, Graph, Language, NetId, Network, Pin, PinValue, Source, Storage, Target,
     TemplateKey,
@@ -25,6 +26,7 @@ use crate::scl::expression;
 use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
 
+use attributes::{Braces, Texts};
 use wires::{Wires, crossed};
 
 /// A document, and the texts of its titles (`.s7res`), if it has some.
@@ -38,46 +40,37 @@ pub struct Document {
 pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> Document {
     let mut writer = Writer::new(Notation::Sd, Mnemonics::En, trivia, source);
     writer.quotes_words = unit.overlay.is_some();
+    units(writer, unit)
+}
+
+/// Writes a document that is made of another one, with the attributes of its author: its texts are those of the other one.
+///
+/// `is_redrawn`: its networks may have another language now.
+pub fn rewrite(unit: &SourceUnit, trivia: Trivia, source: &str, is_redrawn: bool) -> Document {
+    let mut writer = Writer::new(Notation::Sd, Mnemonics::En, trivia, Some(source));
+    writer.braces = Some(Braces::of(source, is_redrawn));
+    units(writer, unit)
+}
+
+fn units(mut writer: Writer, unit: &SourceUnit) -> Document {
     let mut texts = Texts::default();
     for (at, block) in unit.blocks.iter().enumerate() {
-        writer.out.gap();
+        let next = unit.blocks.get(at + 1);
+        let (is_joined, is_followed) = (writer.is_joined(block), next.is_some_and(|next| writer.is_joined(next)));
+        if !is_joined {
+            writer.out.gap();
+        }
         // What follows statements without a header is still in their block.
-        let next = unit.blocks.get(at + 1).map_or(u32::MAX, |next| next.span().start);
+        let next = next.map_or(u32::MAX, |next| next.span().start);
         let end = if is_implied(block) { next } else { block.span().end };
         match block {
             Block::Code(code) => writer.sd_block(code, end, &mut texts),
             Block::Data(data) => writer.sd_data(data, &mut texts),
-            Block::Type(ty) => writer.sd_type(ty, &mut texts),
+            Block::Type(ty) => writer.sd_type(ty, (is_joined, is_followed), &mut texts),
         }
     }
     writer.remarks_before(u32::MAX);
     Document { text: writer.out.into_text(), texts: texts.into_text(), messages: writer.messages }
-}
-
-/// Titles and comments by their ids.
-#[derive(Default)]
-struct Texts {
-    list: Vec<String>,
-}
-
-impl Texts {
-    /// The attribute for a text.
-    fn attribute(&mut self, key: &str, text: &str) -> String {
-        self.list.push(text.to_string());
-        format!("{key} := \"MLC_{}\"", self.list.len())
-    }
-
-    fn into_text(self) -> Option<String> {
-        if self.list.is_empty() {
-            return None;
-        }
-        let mut out = String::from("MultiLingualTexts:\n");
-        for (at, text) in self.list.iter().enumerate() {
-            out.push_str(&format!("  - id: MLC_{}\n    en-US: |-\n", at + 1));
-            text.lines().for_each(|line| out.push_str(&format!("      {line}\n")));
-        }
-        Some(out)
-    }
 }
 
 impl Writer<'_> {
@@ -99,15 +92,18 @@ impl Writer<'_> {
             CodeKind::Fc | CodeKind::Sfc => "FUNCTION",
             CodeKind::Fb | CodeKind::Sfb => "FUNCTION_BLOCK",
         };
+        let behind =
+            self.attributes_after_head(block.return_type.as_ref().map_or(block.name.span().end, |ty| ty.span.end));
         self.remarks_before(block.span.start);
-        self.sd_header(&block.header, texts);
+        self.sd_header(&block.header, block.span, &behind, texts);
         let returns = match (&block.return_type, block.kind) {
             (Some(ty), _) => format!(" : {}", self.type_text(ty)),
             (None, CodeKind::Fc | CodeKind::Sfc) => " : Void".to_string(),
             (None, CodeKind::Ob | CodeKind::Fb | CodeKind::Sfb) => String::new(),
         };
-        let name = document_name(&block.name);
+        let name = self.document_name(&block.name);
         self.out.line(format!("{keyword} {name}{returns}"));
+        self.attribute_line(&behind);
         self.flags(&block.header);
         self.out.indent();
         block.sections.iter().for_each(|section| self.section(section));
@@ -121,39 +117,77 @@ impl Writer<'_> {
     }
 
     fn sd_data(&mut self, block: &DataBlock, texts: &mut Texts) {
+        let head_end = match &block.content {
+            DataContent::OfType(ty) | DataContent::Array(ty, _) => ty.span.end,
+            DataContent::Struct(_) | DataContent::Empty => block.name.span().end,
+        };
+        let behind = self.attributes_after_head(head_end);
         self.remarks_before(block.span.start);
-        self.sd_header(&block.header, texts);
-        let name = document_name(&block.name);
+        self.sd_header(&block.header, block.span, &behind, texts);
+        let name = self.document_name(&block.name);
         match &block.content {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => {
                 let ty = self.type_text(ty);
                 self.out.line(format!("DATA_BLOCK {name} : {ty}"));
+                self.attribute_line(&behind);
                 self.flags(&block.header);
             }
             DataContent::Struct(members) => {
                 self.out.line(format!("DATA_BLOCK {name}"));
+                self.attribute_line(&behind);
                 self.flags(&block.header);
                 self.retained(members, &block.retained);
             }
             DataContent::Empty => {
                 self.out.line(format!("DATA_BLOCK {name}"));
+                self.attribute_line(&behind);
                 self.flags(&block.header);
             }
         }
-        if !block.values.is_empty() {
+        // Documents need no BEGIN.
+        let begins = match self.braces {
+            Some(_) => self.trivia.word("BEGIN", head_end, block.span.end).is_some(),
+            None => !block.values.is_empty(),
+        };
+        if begins {
             self.out.line("BEGIN");
-            block.values.iter().for_each(|value| self.value(value));
         }
+        block.values.iter().for_each(|value| self.value(value));
         self.remarks_before(block.span.end);
         self.out.line("END_DATA_BLOCK");
     }
 
-    fn sd_type(&mut self, block: &TypeBlock, texts: &mut Texts) {
+    /// A name as it is declared; a block with a number only is named by it.
+    fn document_name(&self, name: &BlockName) -> String {
+        match name {
+            BlockName::Numbered { prefix, number, .. } => format!("{}{number}", prefix.letters()),
+            BlockName::Symbol { name, span } => self.declared(name, *span),
+        }
+    }
+
+    /// Whether a type of a document follows another one between TYPE and its end: it begins with its name.
+    fn is_joined(&self, block: &Block) -> bool {
+        match block {
+            Block::Type(block) => self.braces.is_some() && block.span.start == block.name.span().start,
+            Block::Code(_) | Block::Data(_) => false,
+        }
+    }
+
+    /// `is_joined`: it follows another one, `is_followed`: another one follows it, before the end of both.
+    fn sd_type(&mut self, block: &TypeBlock, (is_joined, is_followed): (bool, bool), texts: &mut Texts) {
+        let name_start = block.name.span().start;
+        let inner = if is_joined { Vec::new() } else { self.attributes_before(name_start) };
         self.remarks_before(block.span.start);
-        self.sd_header(&block.header, texts);
-        let name = document_name(&block.name);
-        self.out.line("TYPE");
-        self.out.indent();
+        if is_joined {
+            self.out.indent();
+        }
+        self.sd_header(&block.header, block.span, &inner, texts);
+        let name = self.document_name(&block.name);
+        if !is_joined {
+            self.out.line("TYPE");
+            self.out.indent();
+            self.attribute_line(&inner);
+        }
         match &block.alias {
             Some(alias) => {
                 let ty = self.type_text(alias);
@@ -167,57 +201,14 @@ impl Writer<'_> {
         }
         self.out.dedent();
         self.remarks_before(block.span.end);
-        self.out.line("END_TYPE");
-    }
-
-    fn sd_header(&mut self, header: &Header, texts: &mut Texts) {
-        let mut list = Vec::new();
-        let known = |key: &str| header.attributes.iter().any(|(own, _)| own.eq_ignore_ascii_case(key));
-        if let Some(number) = header.number.filter(|_| !known("S7_BlockNumber")) {
-            list.push(format!("S7_BlockNumber := \"{number}\""));
-        }
-        for (key, value) in &header.attributes {
-            let key = if key.eq_ignore_ascii_case("S7_Optimized_Access") { "S7_Optimized" } else { key };
-            list.push(format!("{key} := \"{value}\""));
-        }
-        let words = [
-            ("S7_Author", &header.author),
-            ("S7_Family", &header.family),
-            ("S7_HeaderName", &header.name),
-            ("S7_Version", &header.version),
-        ];
-        for (key, value) in words {
-            if let Some(value) = value.as_ref().filter(|_| !known(key)) {
-                list.push(format!("{key} := \"{value}\""));
-            }
-        }
-        if let Some(title) = header.title.as_ref().filter(|title| !title.is_empty()) {
-            list.push(texts.attribute("S7_BlockTitle", title));
-        }
-        if !header.comment.is_empty() {
-            list.push(texts.attribute("S7_BlockComment", &header.comment.join("\n")));
-        }
-        if !list.is_empty() {
-            self.out.line(format!("{{ {} }}", list.join("; ")));
+        if !is_followed {
+            self.out.line("END_TYPE");
         }
     }
 
     fn sd_network(&mut self, network: &Network, texts: &mut Texts) {
         self.remarks_before(network.span.start);
-        let language = match network.language {
-            Language::Lad => "LAD",
-            Language::Fbd => "FBD",
-            Language::Scl => "SCL",
-            Language::Stl => "STL",
-        };
-        let mut list = vec![format!("S7_Language := \"{language}\"")];
-        if let Some(title) = network.title.as_ref().filter(|title| !title.is_empty()) {
-            list.push(texts.attribute("S7_NetworkTitle", title));
-        }
-        if !network.comment.is_empty() {
-            list.push(texts.attribute("S7_NetworkComment", &network.comment.join("\n")));
-        }
-        self.out.line(format!("{{ {} }}", list.join("; ")));
+        self.network_attributes(network, texts);
         self.out.line("NETWORK");
         self.out.indent();
         for label in &network.labels {
@@ -547,13 +538,5 @@ fn element_name(row: &'static Row, element: &Element, language: Language) -> &'s
         Kind::Coil if negated => "I_Coil",
         Kind::Compare(_) if language == Language::Lad => row.sd.first().unwrap_or(&row.name),
         _ => row.name,
-    }
-}
-
-/// A name as it is declared; a block with a number only is named by it.
-fn document_name(name: &plcc_syntax::ast::BlockName) -> String {
-    match name {
-        plcc_syntax::ast::BlockName::Numbered { prefix, number, .. } => format!("{}{number}", prefix.letters()),
-        plcc_syntax::ast::BlockName::Symbol { name, .. } => names::declared(name),
     }
 }

@@ -6,6 +6,7 @@ use plcc_syntax::stl::Mnemonics;
 
 use crate::literal;
 use crate::out::Out;
+use crate::sd::attributes::Braces;
 use crate::trivia::Trivia;
 
 /// The notation of text that is written.
@@ -31,6 +32,8 @@ pub(crate) struct Writer<'a> {
     pub source: Option<&'a str>,
     /// The source is an export in XML, which has names without quotes: those that are words of the language get some.
     pub quotes_words: bool,
+    /// The attributes of the document of SIMATIC SD that another one is made of.
+    pub braces: Option<Braces<'a>>,
     /// Comments that are written before their place in the source is reached.
     pub written: Vec<String>,
     pub messages: Vec<Diagnostic>,
@@ -39,7 +42,17 @@ pub(crate) struct Writer<'a> {
 impl<'a> Writer<'a> {
     pub fn new(notation: Notation, mnemonics: Mnemonics, trivia: Trivia<'a>, source: Option<&'a str>) -> Writer<'a> {
         let (written, messages) = (Vec::new(), Vec::new());
-        Writer { out: Out::default(), trivia, notation, mnemonics, source, quotes_words: false, written, messages }
+        Writer {
+            out: Out::default(),
+            trivia,
+            notation,
+            mnemonics,
+            source,
+            quotes_words: false,
+            braces: None,
+            written,
+            messages,
+        }
     }
 
     /// A constant as the author wrote it, if the notation has it so; otherwise in its usual form.

@@ -16,7 +16,7 @@ use plcc_convert::scl::Others;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
 use plcc_convert::{from_scl, sd, to_graph, xml};
-use plcc_diag::{Diagnostic, FileId};
+use plcc_diag::{Diagnostic, FileId, SourceFile};
 use plcc_model::profile;
 use plcc_readers::plcopen;
 use plcc_readers::simatic_ml::{self, Remarks};
@@ -84,6 +84,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let read = inputs::read_as(&args.inputs, args.code_page);
     let unreadable = read.is_unreadable();
     let tables = companions::tables(&read);
+    let texts = read.texts.clone();
     let mut parsed = pipeline::parse(read, &pipeline::Settings::default());
     if to != ConvertTo::Stl {
         name_by_files(&mut parsed);
@@ -156,14 +157,18 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             let refused = found.iter().any(Diagnostic::is_error);
             messages.extend(found);
             if !refused {
-                let (file, found) = written((args, to), *id, (unit, &made), &library, &source.text);
+                let (file, found) = written((args, to), *id, (unit, &made), &library, source);
                 messages.extend(found);
                 if matches!(to, ConvertTo::Lad | ConvertTo::Fbd) && has(unit, |code| matches!(code, Code::Stl(_))) {
                     messages.extend(asserted::of_registers(*id, &source.text, unit.mnemonics));
                 }
                 let (tags, found) = tags_beside(*id, &source.text, &parsed.tables);
                 messages.extend(found);
-                let beside = file.beside.into_iter().chain(tags).collect();
+                // What is made of a document names the texts of that.
+                let is_of_sd = matches!(to, ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd);
+                let own = texts.iter().find(|(unit, _)| unit == id && is_of_sd);
+                let own = own.map(|(_, texts)| texts_beside(parsed.sources.file(*texts).text.clone()));
+                let beside = file.beside.into_iter().chain(own).chain(tags).collect();
                 files.push(Converted { name: source.name.clone(), text: file.text, beside });
             }
         }
@@ -275,6 +280,12 @@ fn has(unit: &SourceUnit, is_such: impl Fn(&Code) -> bool) -> bool {
     unit.blocks.iter().any(|block| matches!(block, Block::Code(block) if is_such(&block.code)))
 }
 
+/// Whether a source is a document of SIMATIC SD.
+fn is_document(source: &SourceFile) -> bool {
+    let parts = plcc_readers::parts(&source.text, pipeline::language_of(&source.name));
+    matches!(parts[..], [(_, plcc_syntax::Language::Sd)])
+}
+
 /// The comments of a source, and the text in which they are; none if they are in its tree.
 fn remarks(unit: &SourceUnit, source: &str) -> Option<Remarks> {
     let is_chart = has(unit, |code| matches!(code, Code::Chart(_)));
@@ -312,8 +323,10 @@ fn written(
     file: FileId,
     (unit, made): (&SourceUnit, &SourceUnit),
     library: &xml::Library,
-    source: &str,
+    source: &SourceFile,
 ) -> (Converted, Vec<Diagnostic>) {
+    let is_document = is_document(source);
+    let source = source.text.as_str();
     let set = args.mnemonics.map_or(unit.mnemonics, Mnemonics::from);
     let is_stl = has(unit, |code| matches!(code, Code::Stl(_)));
     let whole;
@@ -358,7 +371,10 @@ fn written(
             (Converted { name, text, beside: Vec::new() }, messages)
         }
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => {
-            let sd::Document { text, texts, messages } = sd::write(made, trivia(false), same);
+            let sd::Document { text, texts, messages } = match is_document {
+                true => sd::rewrite(made, trivia(false), source, to != ConvertTo::Sd),
+                false => sd::write(made, trivia(false), same),
+            };
             (Converted { name, text, beside: Vec::from_iter(texts.map(texts_beside)) }, messages)
         }
         ConvertTo::Gr7 => {

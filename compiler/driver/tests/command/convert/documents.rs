@@ -38,6 +38,68 @@ fn documents_come_back_as_they_were() {
     assert!(found.contains(" GT( in1 := #a, in2 := #b )") && found.contains("a, b : Int;"), "{found}");
 }
 
+/// Attributes and the texts that they name stay as their author wrote them, in all languages of the texts.
+#[test]
+fn attributes_and_texts_of_documents_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = r#"{ S7_BlockTitle := "MLC_9"; S7_Optimized := "TRUE"; S7_Version := "0.1" }
+FUNCTION_BLOCK "Lamp"
+    // on and off
+    VAR_INPUT
+        { S7_MLC := "MLC_7" } start : Bool;
+        { S7_Visibility := "Hidden"; S7_MLC := "MLC_8" } "stop" : Bool;
+    END_VAR
+    { S7_NetworkTitle := "MLC_5"; S7_Language := "FBD" }
+    NETWORK
+        RUNG #start  Coil( %Q0.0 )  END_RUNG
+    END_NETWORK
+    NETWORK
+        RUNG wire#powerrail  Contact( #start )  Coil( %Q0.1 )  END_RUNG
+    END_NETWORK
+END_FUNCTION_BLOCK
+
+{ S7_BlockNumber := "" }
+DATA_BLOCK Lamp_DB : "Lamp"
+{ S7_StandardRetain := "TRUE"; S7_Version := "0.2" }
+NON_RETAIN
+start := TRUE;
+END_DATA_BLOCK
+
+{ S7_BlockComment := "MLC_6" }
+TYPE
+    { S7_Version := "0.3" }
+    Point : STRUCT
+        x : Int;
+    END_STRUCT;
+    Line : STRUCT
+        first, last : Point;
+    END_STRUCT;
+END_TYPE
+"#;
+    let mut texts = String::from("MultiLingualTexts:\n");
+    for id in 5..10 {
+        texts.push_str(&format!("  - id: MLC_{id}\n    de-DE: Text {id}\n    fr-FR: Texte {id}\n"));
+    }
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let plain = text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout);
+    assert_eq!(words(&plain), words(source), "{plain}");
+    fs::write(folder.join("a.s7res"), &texts).expect("the folder can be written");
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("it is written");
+    for (to, name) in [("sd", "b.s7dcl"), ("lad", "c.s7dcl")] {
+        let made = plcc(folder, &["convert", "a.s7dcl", "--to", to, "-o", name]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        assert_eq!(read(&name.replace("s7dcl", "s7res")), texts);
+    }
+    assert_eq!(words(&read("b.s7dcl")), words(source));
+    let ladder = read("c.s7dcl");
+    for found in ["{ S7_NetworkTitle := \"MLC_5\"; S7_Language := \"LAD\" }", "{ S7_Language := \"LAD\" }\n    NETWORK"]
+    {
+        assert!(ladder.contains(found), "{found} in\n{ladder}");
+    }
+}
+
 /// The number decides when an organization block with a name of its own runs.
 #[test]
 fn numbers_of_documents_stay() {
