@@ -6,7 +6,6 @@ use plcc_syntax::ast::{
     Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header,
     InitialKind, InitialValue, Retain, Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
 };
-use plcc_syntax::scl::keyword::Keyword;
 
 use crate::operand;
 use crate::scl::expression;
@@ -27,7 +26,7 @@ impl Writer<'_> {
         let name = self.block_name(&block.name);
         let returns = match (&block.return_type, block.kind) {
             (Some(ty), _) => format!(" : {}", self.type_text(ty)),
-            (None, CodeKind::Fc | CodeKind::Sfc) => " : VOID".to_string(),
+            (None, CodeKind::Fc | CodeKind::Sfc) => format!(" : {}", self.void(block.name.span().end)),
             (None, CodeKind::Ob | CodeKind::Fb | CodeKind::Sfb) => String::new(),
         };
         self.remarks_before(block.span.start);
@@ -311,8 +310,7 @@ impl Writer<'_> {
     /// A name that is declared, in quotes if it must have them; a word of the language, one with letters of other languages, and any name
     /// of a document, if it has them in the source: `"IF"`.
     pub(crate) fn declared(&self, name: &str, span: Span) -> String {
-        // No keyword, but half of `END IF`.
-        let is_word = Keyword::from_word(name).is_some() || name.eq_ignore_ascii_case("END");
+        let is_word = names::is_word(name);
         let may_have = is_word || !name.is_ascii() || self.braces.is_some();
         let has_quotes = is_word && self.quotes_words || may_have && self.is_quoted(name, span);
         if has_quotes { names::symbol(name) } else { names::declared(name) }
@@ -348,70 +346,40 @@ impl Writer<'_> {
 
     /// A type; of a structure only `STRUCT`, with the dimensions of an array of structures.
     pub(crate) fn type_text(&mut self, ty: &TypeRef) -> String {
-        if self.notation == Notation::Sd {
-            return self.sd_type_text(ty);
-        }
         match &ty.kind {
-            TypeKind::Named(name) => name.clone(),
-            TypeKind::String(None) => "STRING".to_string(),
-            TypeKind::String(Some(length)) => format!("STRING[{}]", self.bound(length)),
-            TypeKind::WideString(None) => "WSTRING".to_string(),
-            TypeKind::WideString(Some(length)) => format!("WSTRING[{}]", self.bound(length)),
+            TypeKind::Named(name) => self.named_type(ty, name),
+            TypeKind::String(None) => self.type_word(ty, "String"),
+            TypeKind::String(Some(length)) => format!("{}[{}]", self.type_word(ty, "String"), self.bound(length)),
+            TypeKind::WideString(None) => self.type_word(ty, "WString"),
+            TypeKind::WideString(Some(length)) => format!("{}[{}]", self.type_word(ty, "WString"), self.bound(length)),
             TypeKind::Array { bounds, element } => {
                 let list: Vec<String> =
                     bounds.iter().map(|(low, high)| format!("{}..{}", self.bound(low), self.bound(high))).collect();
-                format!("ARRAY[{}] OF {}", list.join(", "), self.type_text(element))
+                self.array_text(ty, &list.join(", "), element)
             }
             TypeKind::OpenArray { dimensions, element } => {
                 self.needs_scl(ty.span, "an array without bounds");
                 let stars = vec!["*"; usize::from(*dimensions)].join(", ");
-                format!("ARRAY[{stars}] OF {}", self.type_text(element))
+                self.array_text(ty, &stars, element)
             }
             TypeKind::Reference(target) => {
                 self.needs_scl(ty.span, "a reference");
                 format!("REF_TO {}", self.type_text(target))
             }
-            TypeKind::Struct(_) => "STRUCT".to_string(),
-            TypeKind::Block(name) => self.block_name(name),
-            TypeKind::Error => {
-                self.refuse(ty.span, "a type that was not understood", "repair the source first");
-                String::new()
-            }
-        }
-    }
-
-    /// A type as documents of SIMATIC SD have it: names as the author wrote them, otherwise as the TIA Portal does.
-    fn sd_type_text(&mut self, ty: &TypeRef) -> String {
-        match &ty.kind {
-            TypeKind::Named(name) => {
-                let text = self.source.and_then(|source| source.get(ty.span.range())).map(str::trim);
-                let own = text.filter(|text| text.eq_ignore_ascii_case(name));
-                own.map_or_else(|| cased(name), str::to_string)
-            }
-            TypeKind::String(None) => "String".to_string(),
-            TypeKind::String(Some(length)) => format!("String[{}]", self.bound(length)),
-            TypeKind::WideString(None) => "WString".to_string(),
-            TypeKind::WideString(Some(length)) => format!("WString[{}]", self.bound(length)),
-            TypeKind::Array { bounds, element } => {
-                let list: Vec<String> =
-                    bounds.iter().map(|(low, high)| format!("{}..{}", self.bound(low), self.bound(high))).collect();
-                format!("Array[{}] of {}", list.join(", "), self.sd_type_text(element))
-            }
-            TypeKind::OpenArray { dimensions, element } => {
-                let stars = vec!["*"; usize::from(*dimensions)].join(", ");
-                format!("Array[{stars}] of {}", self.sd_type_text(element))
-            }
-            TypeKind::Reference(target) => format!("REF_TO {}", self.sd_type_text(target)),
-            TypeKind::Struct(_) => "STRUCT".to_string(),
+            TypeKind::Struct(_) => match self.written_word(ty, "STRUCT") {
+                Some(own) => own.to_string(),
+                None => "STRUCT".to_string(),
+            },
             TypeKind::Block(name) => {
-                // `_.Valve`
                 let text = self.source.and_then(|source| source.get(ty.span.range())).map(str::trim);
                 let own = text.filter(|text| match (text.strip_prefix("_."), name) {
+                    // `_.Valve`
                     (Some(own), BlockName::Symbol { name, .. }) => own.trim_matches('"') == name,
                     // `Unit.Namespace.Valve`
                     (None, BlockName::Symbol { name, .. }) => self.braces.is_some() && *text == name,
-                    _ => false,
+                    (_, BlockName::Numbered { .. }) => false,
                 });
+                let own = own.filter(|_| self.notation == Notation::Sd);
                 own.map_or_else(|| self.block_name(name), str::to_string)
             }
             TypeKind::Error => {
@@ -419,6 +387,53 @@ impl Writer<'_> {
                 String::new()
             }
         }
+    }
+
+    fn array_text(&mut self, ty: &TypeRef, bounds: &str, element: &TypeRef) -> String {
+        let array = self.type_word(ty, "Array");
+        let of = if array.starts_with("AR") { "OF" } else { "of" };
+        format!("{array}[{bounds}] {of} {}", self.type_text(element))
+    }
+
+    /// The name of a type: as the author wrote it, otherwise in the letters of the TIA Portal where it is for that.
+    fn named_type(&self, ty: &TypeRef, name: &str) -> String {
+        let keeps = matches!(self.notation, Notation::Sd | Notation::Scl);
+        let text = self.source.filter(|_| keeps).and_then(|source| source.get(ty.span.range())).map(str::trim);
+        let own = text.filter(|text| text.eq_ignore_ascii_case(name)).map(str::to_string);
+        own.unwrap_or_else(|| if self.is_of_portal() { cased(name) } else { name.to_string() })
+    }
+
+    /// A word with which a type begins, likewise.
+    fn type_word(&self, ty: &TypeRef, word: &str) -> String {
+        match self.written_word(ty, word) {
+            Some(own) => own.to_string(),
+            None if self.is_of_portal() => word.to_string(),
+            None => word.to_ascii_uppercase(),
+        }
+    }
+
+    /// The word with which a type begins in a source in SCL.
+    fn written_word(&self, ty: &TypeRef, word: &str) -> Option<&str> {
+        let own = self.scl_from(ty.span.start)?.get(..word.len())?;
+        own.eq_ignore_ascii_case(word).then_some(own)
+    }
+
+    /// The source from a byte on, if it is a text in SCL.
+    fn scl_from(&self, at: u32) -> Option<&str> {
+        let source = self.source.filter(|_| self.notation == Notation::Scl && !self.quotes_words)?;
+        source.get(at as usize..)
+    }
+
+    /// The type of a function without a value, whose name ends at a byte.
+    fn void(&self, at: u32) -> &str {
+        let rest = self.scl_from(at).and_then(|rest| rest.trim_start().strip_prefix(':')).map(str::trim_start);
+        let own = rest.and_then(|rest| rest.get(..4)).filter(|own| own.eq_ignore_ascii_case("VOID"));
+        own.unwrap_or("VOID")
+    }
+
+    /// Whether types have the letters of the TIA Portal.
+    fn is_of_portal(&self) -> bool {
+        self.notation == Notation::Sd || self.notation == Notation::Scl && self.quotes_words
     }
 
     pub(crate) fn bound(&mut self, bound: &Bound) -> String {

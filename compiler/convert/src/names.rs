@@ -1,5 +1,7 @@
 //! Names as they are written, in quotes where they need them.
 
+use plcc_syntax::scl::keyword::Keyword;
+
 /// A name that is declared, or a component: `speed`, `"speed 1"`.
 pub fn declared(name: &str) -> String {
     if is_plain(name) { name.to_string() } else { format!("\"{name}\"") }
@@ -13,6 +15,11 @@ pub fn local(name: &str) -> String {
 /// `"Start"`.
 pub fn symbol(name: &str) -> String {
     format!("\"{name}\"")
+}
+
+/// Whether a name is a word of the language, so that it is a name in quotes only. `END` is none, but half of `END IF`.
+pub fn is_word(name: &str) -> bool {
+    Keyword::from_word(name).is_some() || name.eq_ignore_ascii_case("END")
 }
 
 /// The name in that of an input or output itself, of which `:P` is a part in the tree: `"tag":P`.

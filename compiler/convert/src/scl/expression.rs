@@ -21,13 +21,16 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
     match &value.kind {
         ExprKind::Literal(constant) => constant_text(constant, value.span, writer),
         ExprKind::Name(name) if writer.notation == Notation::Gr7 && name.form == NameForm::Bare => name.text.clone(),
-        // `#"END"`, as the author wrote it.
-        ExprKind::Name(name) if name.form == NameForm::Local && writer.is_quoted(&name.text, name.span) => {
+        // `#"END"`, as the author wrote it; exports have no quotes.
+        ExprKind::Name(name)
+            if name.form == NameForm::Local
+                && (writer.is_quoted(&name.text, name.span) || needs_quotes(&name.text, writer)) =>
+        {
             format!("#{}", names::symbol(&name.text))
         }
         ExprKind::Name(name) => name_text(name),
         ExprKind::Absolute(kind) => absolute(kind, value.span, writer),
-        ExprKind::Member { base, name } => format!("{}.{}", written(base, u8::MAX, writer), member(name)),
+        ExprKind::Member { base, name } => format!("{}.{}", written(base, u8::MAX, writer), member(name, writer)),
         ExprKind::MemberAbsolute { base, width, byte, bit } => {
             // `.DW4` of classic sources, `.%DBW4`: as the author wrote it.
             let own = base.span.end as usize..value.span.end as usize;
@@ -64,6 +67,7 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
         ExprKind::Reference(target) => format!("REF({})", text(target, writer)),
         ExprKind::Unary { op, operand } => {
             let inner = written(operand, UNARY, writer);
+            let inner = if inner.starts_with(['+', '-']) { format!("({inner})") } else { inner };
             let text = match op {
                 UnaryOp::Plus => format!("+{inner}"),
                 UnaryOp::Minus => format!("-{inner}"),
@@ -73,8 +77,10 @@ fn written(value: &Expr, around: u8, writer: &mut Writer) -> String {
             if *op == UnaryOp::Not && writer.notation == Notation::Gr7 {
                 return if around > GRAPH_NOT { format!("({text})") } else { text };
             }
-            // A sign never stands directly after an operator.
-            if around > 0 && (around >= UNARY || *op != UnaryOp::Not) { format!("({text})") } else { text }
+            // A sign stands directly after an operator only where its author put it there.
+            let is_closed = around >= UNARY || *op != UnaryOp::Not;
+            let is_bare = *op != UnaryOp::Not && around <= UNARY && has_bare_sign(value.span, writer);
+            if around > 0 && is_closed && !is_bare { format!("({text})") } else { text }
         }
         ExprKind::Binary { op, left, right, .. } => {
             let own = op.precedence();
@@ -95,7 +101,7 @@ pub(crate) fn argument(argument: &Argument, writer: &mut Writer) -> String {
     match &argument.name {
         Some(name) => {
             let sign = if argument.output { "=>" } else { ":=" };
-            format!("{} {sign} {value}", member(name)).trim_end().to_string()
+            format!("{} {sign} {value}", member(name, writer)).trim_end().to_string()
         }
         None => value,
     }
@@ -117,11 +123,24 @@ fn with_periphery(name: &str, written: fn(&str) -> String) -> String {
     }
 }
 
-fn member(name: &Name) -> String {
+fn member(name: &Name, writer: &Writer) -> String {
     match name.form {
         NameForm::Quoted => with_periphery(&name.text, names::symbol),
+        NameForm::Bare | NameForm::Local if needs_quotes(&name.text, writer) => names::symbol(&name.text),
         NameForm::Bare | NameForm::Local => with_periphery(&name.text, names::declared),
     }
+}
+
+/// Whether a name of an export is a word of the language.
+fn needs_quotes(name: &str, writer: &Writer) -> bool {
+    writer.quotes_words && names::is_word(name)
+}
+
+/// Whether a sign stands in a source in SCL without a parenthesis before it: `a - -5`.
+fn has_bare_sign(span: Span, writer: &Writer) -> bool {
+    let source = writer.source.filter(|_| writer.notation == Notation::Scl);
+    let parts = source.and_then(|source| source.get(..span.start as usize).zip(source.get(span.range())));
+    parts.is_some_and(|(before, own)| own.starts_with(['+', '-']) && !before.trim_end().ends_with('('))
 }
 
 /// `%MW10`, as the author wrote it where the notation is the same.

@@ -47,9 +47,9 @@ fn regions_of_networks_stay() {
 fn comments_of_exports_stay() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    let source = "//@ cpu s7-1200\nFUNCTION \"F\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    // first\n    REGION start\n    \
+    let source = "//@ cpu s7-1200\nFUNCTION \"F\" : VOID\nVAR_TEMP\n    n : Int;\nEND_VAR\nBEGIN\n    // first\n    REGION start\n    \
                   #n := 1; // one\n    IF #n = 1 THEN\n        // inside\n        #n := 2;\n    END_IF;\n    END_REGION\n    // last\n\
-                  END_FUNCTION\n\nFUNCTION \"G\" : VOID\nVAR_TEMP\n    n : INT;\nEND_VAR\nBEGIN\n    // other\n    #n := 1;\n\
+                  END_FUNCTION\n\nFUNCTION \"G\" : VOID\nVAR_TEMP\n    n : Int;\nEND_VAR\nBEGIN\n    // other\n    #n := 1;\n\
                   END_FUNCTION\n";
     fs::write(folder.join("a.scl"), source).expect("the folder can be written");
     let convert = |from: &str, to: &str| {

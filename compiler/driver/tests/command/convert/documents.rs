@@ -141,7 +141,7 @@ fn parameters_of_blocks_have_any_names() {
     // XML has no quotes.
     plcc(folder, &["convert", "d.scl", "--to", "xml", "--cpu", "s7-1500", "-o", "d.xml"]);
     let found = text(&plcc(folder, &["convert", "d.xml", "--to", "scl"]).stdout);
-    assert!(found.contains("\n    \"IF\" : INT") && found.contains("\n        \"FOR\" : INT"), "{found}");
+    assert!(found.contains("\n    \"IF\" : Int") && found.contains("\n        \"FOR\" : Int"), "{found}");
 }
 
 /// `"tag":P` is an input or output itself, not a tag with this name.

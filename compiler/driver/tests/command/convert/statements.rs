@@ -106,3 +106,45 @@ fn scl_as_stl_does_the_same() {
     fs::write(folder.join("average.stl"), wrong).expect("the folder can be written");
     assert_eq!(plcc(folder, &["test", "average.stl", "calls.stl"]).status.code(), Some(1));
 }
+
+/// Types in the letters of their author, words of the language as names, and signs after operators, also by way of an export.
+#[test]
+fn scl_comes_back_as_its_author_wrote_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = r#"FUNCTION "F" : Void
+VERSION : 0.1
+VAR_INPUT
+    "IF" : Int;
+    s : Struct
+        "FOR" : Array[0..3] of Int;
+        t : String[8];
+    END_STRUCT;
+END_VAR
+VAR_TEMP
+    i : DInt;
+    r : LReal;
+END_VAR
+BEGIN
+    #i := -#i - -5;
+    #r := -#r ** 2;
+    #i := #"IF" + #s."FOR"[#i] * -2;
+    #i := "D"."WHILE" + -"D".s."TO" - (-7);
+    #i := -(-#i);
+END_FUNCTION
+"#;
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let convert = |arguments: &[&str]| {
+        let output = plcc(folder, &[&["convert"][..], arguments].concat());
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    assert_eq!(convert(&["a.scl", "--to", "scl"]), source);
+    convert(&["a.scl", "--to", "xml", "--cpu", "s7-1500", "-o", "a.xml"]);
+    let back = convert(&["a.xml", "--to", "scl"]);
+    for found in ["    \"IF\" : Int;", "\"FOR\" : Array[0..3] of Int;", "r : LReal;"] {
+        assert!(back.contains(found), "{found} in\n{back}");
+    }
+    let body = |text: &str| text.split("BEGIN").nth(1).map(str::to_string);
+    assert_eq!(body(&back), body(source), "{back}");
+}
