@@ -31,7 +31,15 @@ impl Writer<'_> {
         };
         self.remarks_before(block.span.start);
         self.out.line(format!("{keyword} {name}{returns}"));
-        let start = block.sections.iter().map(|section| section.span.start).min();
+        let first = match &block.code {
+            Code::Scl(body) => body.statements.first().map(|statement| statement.span.start),
+            Code::Stl(networks) => {
+                networks.iter().flat_map(|network| &network.statements).next().map(|one| one.span.start)
+            }
+            Code::Graphic(_) | Code::Chart(_) => None,
+        };
+        let begin = self.trivia.word("BEGIN", block.name.span().end, first.unwrap_or(block.span.end));
+        let start = block.sections.iter().map(|section| section.span.start).min().or(begin);
         self.header(&block.header, Some(&block.name), start);
         for section in &block.sections {
             self.section(section);

@@ -287,6 +287,10 @@ impl Writer<'_> {
             current.fed = current.out.is_none();
             let mut remarks = self.trivia.before(element.span.start);
             remarks.retain(|remark| !self.is_written(&remark.text));
+            if joined {
+                // The last line is that of another rung.
+                remarks.iter_mut().for_each(|remark| remark.own_line = true);
+            }
             let asserts = remarks.iter().any(|remark| remark.text.starts_with("//@"));
             if asserts && at > 0 && !joined && !crossed[at] {
                 // An assertion stands between networks.

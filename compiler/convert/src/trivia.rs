@@ -2,6 +2,8 @@
 
 use plcc_syntax::front::{Comment, CommentForm};
 
+use crate::frames::bare;
+
 /// The comments of a file, taken one after the other as the tree is written.
 pub struct Trivia<'a> {
     source: &'a str,
@@ -67,6 +69,12 @@ impl<'a> Trivia<'a> {
     /// Whether the next comment begins before byte `at`.
     pub fn has_before(&self, at: u32) -> bool {
         self.comments.get(self.next).is_some_and(|comment| comment.start < at)
+    }
+
+    /// Whether one of the next comments, before byte `at`, has this text.
+    pub fn has_text(&self, text: &str, at: u32) -> bool {
+        let next = self.comments[self.next..].iter().take_while(|comment| comment.start < at);
+        next.map(|comment| self.source.get(comment.range()).unwrap_or_default()).any(|own| bare(own) == text)
     }
 
     /// Where a word begins between two places, outside of comments.

@@ -182,6 +182,14 @@ impl<'a> Writer<'a> {
                 None => list.push(texts.attribute(key, &text)),
             }
         }
+        // What is in the texts is no comment of the document, too.
+        if self.braces.is_none() {
+            // Assertions are no texts.
+            let lines = header.comment.iter().map(|line| line.trim()).filter(|line| !line.starts_with('@'));
+            let known: Vec<String> =
+                lines.filter(|line| self.trivia.has_text(line, span.end)).map(str::to_string).collect();
+            self.written.extend(known);
+        }
         if !list.is_empty() {
             self.out.line(format!("{{ {} }}", list.join("; ")));
         }

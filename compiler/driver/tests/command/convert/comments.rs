@@ -179,3 +179,31 @@ fn comments_of_networks_are_written_once() {
     assert_eq!((count(&networks, "both"), count(&networks, "// inside")), (0, 1), "{networks}");
     assert_eq!((count(&networks, "S7_NetworkComment"), count(&texts, "both")), (2, 2), "{networks}\n{texts}");
 }
+
+/// The comment of a block is in the texts of a document and not once more in the document; in STL it is before BEGIN only.
+#[test]
+fn comments_of_blocks_are_written_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION FC 1 : VOID\n// of the function\nBEGIN\n// in it\nNETWORK\n      A     I 0.0; // start\n      =     Q 0.0;\n      \
+                  A     I 0.1; // next\n      =     Q 0.1;\nEND_FUNCTION\nDATA_BLOCK DB 1\n// of the data\nSTRUCT\n// of x\n x : INT;\n\
+                  END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let list = text(&plcc(folder, &["convert", "a.stl", "--to", "stl"]).stdout);
+    assert!(list.starts_with("FUNCTION FC 1 : VOID\n// of the function\nBEGIN\n// in it\nNETWORK\n"), "{list}");
+    let output = plcc(folder, &["convert", "a.stl", "--to", "lad", "-o", "a.s7dcl"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("it is written");
+    let (networks, texts) = (read("a.s7dcl"), read("a.s7res"));
+    for (comment, beside) in [("of the function", 1), ("of the data", 1), ("in it", 0), ("of x", 0)] {
+        let found = (texts.matches(comment).count(), networks.matches(comment).count());
+        assert_eq!(found, (beside, 1 - beside), "{comment} in\n{networks}\n{texts}");
+    }
+    // A comment of a contact is above its own rung.
+    let lines: Vec<&str> = networks.lines().map(str::trim).collect();
+    for (comment, contact) in [("// start", "Contact( %I0.0 )"), ("// next", "Contact( %I0.1 )")] {
+        let at = lines.iter().position(|line| *line == comment);
+        let next = at.and_then(|at| lines.get(at + 1));
+        assert!(next.is_some_and(|line| line.contains(contact)), "{comment} in\n{networks}");
+    }
+}
