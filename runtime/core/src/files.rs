@@ -1,7 +1,8 @@
-//! Files that are read as a whole or written. Pipes and endless files are refused.
+//! Files that are read as a whole or written. Pipes and endless files are refused, except a pipe that the shell has opened for the process.
 
 use std::fs;
-use std::io::{Error, Result};
+use std::io::{Error, Read, Result};
+use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
 /// Whether `path` is a file that has an end. `Err`: it is not there, or is a pipe, a device or another thing whose reading may wait for ever.
@@ -20,6 +21,21 @@ pub fn regular(path: &Path) -> Result<()> {
         return wrong("a file of the kernel, which may be endless");
     }
     Ok(())
+}
+
+/// The bytes of a file, or of a pipe that is open in this process, as with `<(command)` and `/dev/stdin`. `Err`: there are more than
+/// `bytes_max` bytes, or what [`regular`] refuses.
+pub fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>> {
+    let is_open = ["/dev/fd", "/dev/stdin", "/proc/self/fd"].iter().any(|open| path.starts_with(open));
+    if !(is_open && fs::metadata(path)?.file_type().is_fifo()) {
+        regular(path)?;
+    }
+    let mut bytes = Vec::new();
+    fs::File::open(path)?.take(bytes_max + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > bytes_max {
+        true => Err(Error::other(format!("the file has more than {} MB", bytes_max >> 20))),
+        false => Ok(bytes),
+    }
 }
 
 /// Whether a file can be written at `path`: it is free, or it is a file.
@@ -46,7 +62,25 @@ pub fn without_numbers(message: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::without_numbers;
+    use std::io::Write;
+    use std::os::fd::AsRawFd;
+
+    use super::*;
+
+    #[test]
+    fn a_pipe_of_the_shell_is_read_to_its_end() {
+        let open = || {
+            let (reader, mut writer) = std::io::pipe().expect("there are pipes");
+            writer.write_all(b"MW2\n1\n").expect("it is open");
+            reader
+        };
+        let (first, second) = (open(), open());
+        let path = |reader: &std::io::PipeReader| format!("/dev/fd/{}", reader.as_raw_fd());
+        assert_eq!(read(Path::new(&path(&first)), 6).expect("it has 6 bytes"), b"MW2\n1\n");
+        let error = read(Path::new(&path(&second)), 5).expect_err("it has more");
+        assert_eq!(error.to_string(), "the file has more than 0 MB");
+        assert!(read(Path::new("/dev/zero"), 5).is_err());
+    }
 
     #[test]
     fn numbers_of_errors_are_left_out() {

@@ -49,15 +49,8 @@ impl Table {
     /// Reads a CSV file: names in the first line, then a line for each instance.
     fn read(path: &Path) -> Result<Table, String> {
         let shown = path.display();
-        let found = files::regular(path).and_then(|()| std::fs::metadata(path));
-        let length = found.map_err(|error| format!("{shown}: {error}"))?.len();
-        if length > VALUES_BYTES_MAX {
-            return Err(format!("{shown}: the file has more than {} MB", VALUES_BYTES_MAX >> 20));
-        }
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(|error| format!("{shown}: {error}"))?;
+        let text = files::read(path, VALUES_BYTES_MAX).map_err(|error| format!("{shown}: {error}"))?;
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_slice());
         let names: Vec<String> =
             reader.headers().map_err(|error| format!("{shown}: {error}"))?.iter().map(str::to_string).collect();
         let rows: Result<Vec<Vec<String>>, csv::Error> =
