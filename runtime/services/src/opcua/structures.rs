@@ -208,7 +208,7 @@ impl Compound {
                     Step::Length(length) => out.u32(length),
                     Step::Value { byte, bit, ty, dimension } => {
                         let rest = bytes.get(byte as usize..).ok_or(status::NOT_FOUND)?;
-                        match self.variable(0, bit, ty, dimension).value(rest)? {
+                        match self.variable(0, bit, ty, dimension).value_of_component(rest)? {
                             Variant::One(value) => value.put(&mut out),
                             Variant::Many { values, .. } => out.list(&values, |out, value| value.put(out)),
                             Variant::Empty => {}
@@ -267,7 +267,7 @@ impl Compound {
                                 reader.list(|reader| reader.scalar(number)).map(|all| Variant::list(number, all))
                             }
                         };
-                        let parts = variable.parts(&value.ok_or(status::DECODING)?, None)?;
+                        let parts = variable.parts_of_component(&value.ok_or(status::DECODING)?)?;
                         found.push((variable, parts));
                     }
                 }
@@ -453,6 +453,29 @@ mod tests {
         let values = one.parts(&Variant::One(motor(body(1.0, true, "fan", &[1, 2, 3]))), None).unwrap();
         assert_eq!(write(&cpu, &values), Err(status::OUT_OF_RANGE));
         assert_eq!(cpu.memory.view(layout::DB_DATA, 24, |bytes| bytes.iter().filter(|byte| **byte != 0).count()), 1);
+    }
+
+    #[test]
+    fn a_wrong_date_does_not_hide_the_other_components() {
+        let field = |name: &str, byte, ty| {
+            let kind = Kind::Value(ValueType::of(ty));
+            Field { name: name.to_string(), byte, bit: 0, kind, dimension: None }
+        };
+        let fields = vec![field("since", 0, AssertType::DateAndTime), field("speed", 8, AssertType::Real)];
+        let node = |id: &str| NodeId::text(DATA, id);
+        let shape = Shape::new("Run".to_string(), node("DT_\"Run\""), node("TE_\"Run\""), fields).unwrap();
+        let run = Compound { place: Place::Db(1, 0), shape: Arc::new(shape), dimensions: Vec::new(), read_only: false };
+        let mut body = Writer::default();
+        Scalar::Time(0).put(&mut body);
+        Scalar::Float(2.5).put(&mut body);
+        let value = Variant::One(Scalar::Object(node("TE_\"Run\""), body.0));
+        let cpu = cpu(image());
+        // A date without a year, a month and a day.
+        cpu.memory.set_byte(layout::DB_DATA + 3, 0x11);
+        write(&cpu, &run.parts(&value, None).unwrap()).unwrap();
+        let bytes = cpu.memory.view(layout::DB_DATA, 12, <[u8]>::to_vec);
+        assert_eq!(bytes, [0, 0, 0, 0x11, 0, 0, 0, 0, 0x40, 0x20, 0, 0], "the date stays as it is");
+        assert_eq!(run.value(&run.read(&cpu).unwrap()), Ok(value));
     }
 
     #[test]

@@ -18,6 +18,11 @@ use super::range::Range;
 use super::status::{self, Status};
 use crate::limits::OPCUA_ELEMENTS_MAX;
 
+/// The type number of dates with their time of day.
+const DATE_TIME: u8 = 13;
+/// The DateTime of a date that does not exist. Source: OPC 10000-6, section 5.2.2.5.
+const NO_DATE: Scalar = Scalar::Time(0);
+
 /// A variable with a value: elementary, or an array of such.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
@@ -61,7 +66,7 @@ pub fn type_of(ty: AssertType) -> u8 {
         AssertType::Real => 10,
         AssertType::Lreal => 11,
         AssertType::Text | AssertType::WideText => 12,
-        AssertType::Ldt | AssertType::DateAndTime | AssertType::Dtl => 13,
+        AssertType::Ldt | AssertType::DateAndTime | AssertType::Dtl => DATE_TIME,
     }
 }
 
@@ -197,10 +202,23 @@ impl Variable {
 
     /// What the bytes mean.
     pub fn value(&self, bytes: &[u8]) -> Result<Variant, Status> {
+        self.value_or(bytes, Err)
+    }
+
+    /// The same as a component of a structure, where a date that does not exist is `NO_DATE`, so that the other components can be read.
+    pub fn value_of_component(&self, bytes: &[u8]) -> Result<Variant, Status> {
+        let is_date = type_of(self.ty.ty) == DATE_TIME;
+        self.value_or(bytes, |wrong| match is_date && wrong == status::OUT_OF_RANGE {
+            true => Ok(NO_DATE),
+            false => Err(wrong),
+        })
+    }
+
+    fn value_or(&self, bytes: &[u8], other: impl Fn(Status) -> Result<Scalar, Status>) -> Result<Variant, Status> {
         let offsets = self.offsets()?;
         let one = |at: &u32| {
             let rest = bytes.get(*at as usize / 8..).unwrap_or_default();
-            decode(self.ty, rest, (at % 8) as u8)
+            decode(self.ty, rest, (at % 8) as u8).or_else(&other)
         };
         if self.dimensions.is_empty() {
             return one(&self.bit.into()).map(Variant::One);
@@ -211,6 +229,21 @@ impl Variable {
 
     /// A value of a client as it comes into memory. Wrong types and values that the type does not have are refused.
     pub fn parts(&self, value: &Variant, range: Option<&Range>) -> Result<Vec<Part>, Status> {
+        self.parts_without(None, value, range)
+    }
+
+    /// The same for a component of a structure, where `NO_DATE` leaves a date as it is.
+    pub fn parts_of_component(&self, value: &Variant) -> Result<Vec<Part>, Status> {
+        self.parts_without(Some(&NO_DATE), value, None)
+    }
+
+    /// The parts, without those of elements with the value `kept`.
+    fn parts_without(
+        &self,
+        kept: Option<&Scalar>,
+        value: &Variant,
+        range: Option<&Range>,
+    ) -> Result<Vec<Part>, Status> {
         let mut offsets = self.offsets()?;
         let mut lengths = self.lengths();
         if let Some(range) = range {
@@ -232,7 +265,7 @@ impl Variable {
             return Err(status::TYPE_MISMATCH);
         }
         let mut parts: Vec<Part> = Vec::new();
-        for (at, value) in offsets.into_iter().zip(values) {
+        for (at, value) in offsets.into_iter().zip(values).filter(|(_, value)| Some(*value) != kept) {
             let data = encode(self.ty, value)?;
             // Elements that follow each other are one piece.
             if let (Data::Bytes(new), Some(Part { at: start, data: Data::Bytes(bytes) })) = (&data, parts.last_mut())
