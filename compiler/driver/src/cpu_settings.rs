@@ -11,6 +11,8 @@ use plcc_model::Program;
 pub enum CpuSetting {
     /// `[ob.N]`
     Ob(u16),
+    /// `ob` of a hardware interrupt.
+    EventOb(u16),
     /// `priority` of OB N, and its class if plc.toml or the number says which.
     Priority(u16, Option<ObClass>),
     /// `cycle_time_exceeded`
@@ -51,18 +53,42 @@ pub fn check(settings: &[(CpuSetting, Span)], profile: &Profile) -> Vec<Diagnost
 pub fn without_block(settings: &[(CpuSetting, Span)], program: &Program) -> Vec<Diagnostic> {
     let obs = || program.blocks.iter().filter(|block| block.kind == BlockKind::Ob).map(|block| block.number);
     let report = |(setting, span): &(CpuSetting, Span)| {
-        let CpuSetting::Ob(ob) = *setting else { return None };
+        let (ob, is_event) = match *setting {
+            CpuSetting::Ob(ob) => (ob, false),
+            // Its own heading says it.
+            CpuSetting::EventOb(ob) if settings.iter().any(|(other, _)| *other == CpuSetting::Ob(ob)) => return None,
+            CpuSetting::EventOb(ob) => (ob, true),
+            CpuSetting::Priority(..)
+            | CpuSetting::Exceeded
+            | CpuSetting::Cold
+            | CpuSetting::Complete
+            | CpuSetting::MemoryByte(_)
+            | CpuSetting::Retentive(..) => return None,
+        };
         if obs().any(|number| number == ob) {
             return None;
         }
         let alike = |other: &u16| ObClass::of_number(*other).is_some_and(|class| ObClass::of_number(ob) == Some(class));
         let set = |other: &u16| settings.iter().any(|(setting, _)| *setting == CpuSetting::Ob(*other));
-        let help = match obs().find(|other| alike(other) && !set(other)) {
-            Some(other) => format!("is `[ob.{other}]` meant? The program has OB {other}"),
-            None => format!("add OB {ob} to the program, or remove this heading and its keys"),
+        let other = obs().find(|other| alike(other) && (is_event || !set(other)));
+        let (label, help) = match (is_event, other) {
+            (false, Some(other)) => {
+                ("these settings have no effect", format!("is `[ob.{other}]` meant? The program has OB {other}"))
+            }
+            (false, None) => (
+                "these settings have no effect",
+                format!("add OB {ob} to the program, or remove this heading and its keys"),
+            ),
+            (true, Some(other)) => {
+                ("this event starts no block", format!("is `ob = {other}` meant? The program has OB {other}"))
+            }
+            (true, None) => (
+                "this event starts no block",
+                format!("add OB {ob} to the program, or remove this key: ATTACH gives the event an OB at run time"),
+            ),
         };
         let message = Diagnostic::new(Code::Project, *span, format!("the program has no OB {ob}"));
-        let mut message = message.label("these settings have no effect").help(help);
+        let mut message = message.label(label).help(help);
         message.severity = Severity::Warning;
         Some(message)
     };
@@ -80,6 +106,8 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
     };
     match setting {
         CpuSetting::Ob(ob) if exists(ob) => None,
+        // There is no such block, and a warning says so.
+        CpuSetting::EventOb(_) => None,
         CpuSetting::Ob(_) if family == Family::S7200 => Some((
             format!("the CPU {cpu} has no organization blocks"),
             "remove this heading and its keys: ATCH of the program connects interrupt routines with events",

@@ -197,6 +197,9 @@ impl Context {
         let (technology, messages) =
             technology::read(&keys.hsc, &keys.pulse, &keys.hardware_interrupt, self.file, &mut config);
         self.diagnostics.extend(messages);
+        for (ob, range) in technology::started(&keys.hardware_interrupt) {
+            self.note_of_cpu(CpuSetting::EventOb(ob), range);
+        }
         let (axes, messages) = axes::source(&keys.axis, self.file);
         self.diagnostics.extend(messages);
         if let Some(keys) = &keys.retain {

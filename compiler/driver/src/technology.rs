@@ -2,6 +2,7 @@
 //! S7-1200.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use plcc_abi::image::{Config, Profile};
 use plcc_abi::technology::{CountMode, EventSource, FastCounter, HardwareEvent, PulseGenerator};
@@ -96,6 +97,11 @@ pub fn read(
         }
     }
     (reader.used, reader.diagnostics)
+}
+
+/// The organization blocks that events start, and where plc.toml says so.
+pub fn started(interrupts: &BTreeMap<Spanned<String>, InterruptKeys>) -> impl Iterator<Item = (u16, Range<usize>)> {
+    interrupts.values().filter_map(|keys| keys.ob.as_ref()).map(|ob| (*ob.get_ref(), ob.span()))
 }
 
 /// Reports settings that the CPU does not have.
