@@ -155,9 +155,9 @@ impl Binder<'_> {
                 .into_iter()
                 .find(|(word, _)| *word == written);
             let help = match (joined, next) {
-                (Some((_, mnemonic)), Some(next)) => format!("write `{mnemonic} {next}` in a line of its own"),
+                (Some((_, mnemonic)), Some(next)) => format!("write `{mnemonic} {next}` on a line of its own"),
                 _ if matches!(classes, [OperandClass::Bit | OperandClass::BitWrite | OperandClass::InputBit]) => {
-                    format!("write `{} {}` in a line of its own", self.mnemonic(insn), self.written(surplus.span))
+                    format!("write `{} {}` on a line of its own", self.mnemonic(insn), self.written(surplus.span))
                 }
                 _ if insn == Insn::Not => {
                     let (and, or) = (self.mnemonic(Insn::AndNot), self.mnemonic(Insn::OrNot));

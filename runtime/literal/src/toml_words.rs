@@ -345,7 +345,7 @@ fn habit(line: &str) -> Option<Wrong> {
         return wrong("a line has no `;` at its end", format!("write `{}`", plain.trim_end_matches(';').trim_end()));
     }
     if plain.starts_with('{') && plain.contains("\":") {
-        return wrong("the file is not JSON", "write each key in a line of its own, `key = value`".to_owned());
+        return wrong("the file is not JSON", "write each key on a line of its own, `key = value`".to_owned());
     }
     let value = plain.split_once('=').map_or("", |(_, value)| value.trim());
     if value.starts_with('\'') && value.matches('\'').count() == 1 {

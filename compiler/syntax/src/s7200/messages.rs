@@ -79,7 +79,7 @@ fn slip(state: &State, insn: Insn, range: Range<usize>, before: Option<&Spanned>
         return told(
             range,
             "an assignment is a statement of its own",
-            format!("write `= {rest}` in a line of its own"),
+            format!("write `= {rest}` on a line of its own"),
         );
     }
     let (start, token, _) = before?;

@@ -100,7 +100,7 @@ fn surplus_help(insn: StlInsn, written: &str, shown: &str) -> String {
         _ if written.starts_with(['+', '-', '*', '/', '<', '>', '='])
             || OF_ACCU1.iter().any(|own| own.eq_ignore_ascii_case(written)) =>
         {
-            format!("write `L {shown}` in the line before, and `{written}` alone")
+            format!("write `L {shown}` on the line before, and `{written}` alone")
         }
         _ => match written.strip_suffix('(').map(str::trim_end) {
             Some(single) => format!(

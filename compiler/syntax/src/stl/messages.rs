@@ -349,7 +349,7 @@ fn operator(state: &State, word: &str, range: Range<usize>, class: crate::stl::O
     Some(
         Diagnostic::new(Code::Syntax, state.span(range), format!("a statement has no `{word}` between operands"))
             .label("a form of other languages")
-            .help(format!("write `{mnemonic} {rest}` in a line of its own")),
+            .help(format!("write `{mnemonic} {rest}` on a line of its own")),
     )
 }
 
@@ -369,10 +369,10 @@ fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
     let help = match lines.as_slice() {
         [] => "remove the comma".to_owned(),
         [_] if constant(written[0]) && is_time(written[0]) => {
-            format!("write `L S5T#{}` in the line before", written[0])
+            format!("write `L S5T#{}` on the line before", written[0])
         }
-        [_] if constant(written[0]) => format!("write `L {}` in the line before", written[0]),
-        [one] => format!("write {one} in a line of its own"),
+        [_] if constant(written[0]) => format!("write `L {}` on the line before", written[0]),
+        [one] => format!("write {one} on a line of its own"),
         several => format!("write {} in lines of their own", several.join(", ")),
     };
     let first = start + (rest.len() - rest.trim_start().len());

@@ -147,7 +147,7 @@ fn divided_by_zero(load: &StlStatement, division: &StlStatement) -> Option<Diagn
         Diagnostic::new(Code::AlwaysSame, division.span, "this always divides by 0")
             .label("sets OV and OS")
             .also(load.span, "loaded here")
-            .help("load the divisor in the line before: a number that is not 0, or an address"),
+            .help("load the divisor on the line before: a number that is not 0, or an address"),
     )
 }
 

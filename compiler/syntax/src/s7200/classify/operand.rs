@@ -260,7 +260,7 @@ impl<'a> Classifier<'a, '_> {
             Insn::LoadNot | Insn::AndNot | Insn::OrNot => {
                 format!("two negations cancel each other: write `{} {operands}`", &word[..word.len() - 1])
             }
-            _ => format!("write `NOT` in a line of its own before `{word} {operands}`"),
+            _ => format!("write `NOT` on a line of its own before `{word} {operands}`"),
         };
         let span = self.span(not.range());
         self.report(

@@ -181,7 +181,7 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
-    /// `PROGRAM Main` in a line of its own.
+    /// `PROGRAM Main` on a line of its own.
     fn names_program(&self, index: usize) -> bool {
         let alone = |at: usize| self.raw_at(at).is_none_or(|token| token.first_on_line);
         let is_name = matches!(self.kind_at(index + 1), Some(RawKind::Word | RawKind::Quoted));
@@ -279,7 +279,7 @@ impl<'a> Classifier<'a, '_> {
                         "=" | "==" => ("not equal is `<>`", "write `<>I` for INT, `<>D` for DINT, `<>R` for REAL"),
                         _ => (
                             "a negation is a part of the instruction",
-                            "write `AN`, `ON` or `XN` before the operand, or `NOT` in a line of its own",
+                            "write `AN`, `ON` or `XN` before the operand, or `NOT` on a line of its own",
                         ),
                     };
                     self.report(
