@@ -143,12 +143,12 @@ fn foot(model: &Model) -> Line<'_> {
             Asks::Name => "name or address",
             Asks::Modify => "new value",
             Asks::Force => "forced value",
-            Asks::Stop => "put the CPU into STOP? y",
-            Asks::Run => "start the CPU with a warm restart? y",
-            Asks::Outputs => "enable outputs? what you modify then reaches the modules: y",
-            Asks::Reset => "reset the memory? all data gets its start values, retentive data too: y",
+            Asks::Stop => "put the CPU into STOP? Type y",
+            Asks::Run => "start the CPU with a warm restart? Type y",
+            Asks::Outputs => "enable outputs, so that values you modify reach the modules? Type y",
+            Asks::Reset => "reset the memory, so that all data gets its start values, retentive data too? Type y",
         };
-        return Line::from(format!("{question}: {text}▏  Enter  Esc: not"));
+        return Line::from(format!("{question}: {text}▏  Enter: confirm  Esc: cancel"));
     }
     if !model.refused.is_empty() {
         return Line::from(Span::styled(format!(" {} ", model.refused), colored(Color::Red)));

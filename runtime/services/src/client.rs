@@ -155,7 +155,7 @@ impl Process {
 /// Why nobody answers at an address.
 fn unreached(error: &io::Error) -> String {
     match error.kind() {
-        io::ErrorKind::ConnectionRefused => format!("{error}: no process has its page here, as `--web` starts it"),
+        io::ErrorKind::ConnectionRefused => format!("{error}: no process has a page there; start it with `--web`"),
         _ => error.to_string(),
     }
 }

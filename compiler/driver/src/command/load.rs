@@ -84,7 +84,9 @@ fn tell(answer: &Answer) {
 }
 
 fn is_answered() -> bool {
-    report::say("values of the running program would be lost: y and Enter changes it, anything else leaves it");
+    report::say(
+        "values of the running program would be lost: type y and Enter to change it anyway, anything else to keep it",
+    );
     line().is_ok_and(|line| line.trim() == "y")
 }
 

@@ -167,7 +167,9 @@ impl Watch {
                 report::say("not changed: values would be lost, and standard input has no answer; add --lose allow");
             }
             (true, Lose::Ask) => {
-                report::say("values of the running program would be lost: y and Enter changes it, n leaves it");
+                report::say(
+                    "values of the running program would be lost: type y and Enter to change it anyway, n to keep it",
+                );
                 self.pending = Some(prepared);
             }
         }

@@ -116,7 +116,7 @@ fn described(failure: &AssertFailure) -> String {
         lines.push(place);
     }
     if !failure.beside.is_empty() {
-        lines.push(format!("beside it: {}", failure.beside.join(", ")));
+        lines.push(format!("other values: {}", failure.beside.join(", ")));
     }
     lines.join("\n       ")
 }

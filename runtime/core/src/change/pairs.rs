@@ -162,7 +162,11 @@ impl Pairs<'_> {
         if first_a.low < first_b.low || first_a.high > first_b.high {
             let bounds = |one: &Dimension| format!("[{}..{}]", one.low, one.high);
             self.item(
-                format!("{path}{} has the bounds {}: elements outside them go", bounds(first_a), bounds(first_b)),
+                format!(
+                    "{path}{} has the bounds {}: elements outside them are removed",
+                    bounds(first_a),
+                    bounds(first_b)
+                ),
                 true,
             );
         }
@@ -198,7 +202,7 @@ impl Pairs<'_> {
                 continue;
             }
             if !b.members.iter().any(|other| is_same(&other.name, &member.name)) {
-                self.item(format!("{path}.{} goes", member.name), true);
+                self.item(format!("{path}.{} is removed", member.name), true);
             }
         }
     }

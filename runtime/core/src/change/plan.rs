@@ -75,7 +75,7 @@ impl Plan {
         for db in old.dbs.iter().filter(|db| partner(db, &new.dbs).is_none()) {
             plan.changed_dbs.push(db.number);
             if !is_of_compiler(db) {
-                plan.item(format!("{} goes", shown(db)), !db.read_only && !db.unlinked);
+                plan.item(format!("{} is removed", shown(db)), !db.read_only && !db.unlinked);
             }
         }
         Ok(plan)
@@ -93,7 +93,7 @@ impl Plan {
             self.item(format!("OB {} is new", block.number), false);
         }
         for block in old.blocks.iter().filter(|block| block.kind == BlockKind::Ob && !has(new, block.number)) {
-            self.item(format!("OB {} goes", block.number), false);
+            self.item(format!("OB {} is removed", block.number), false);
         }
     }
 

@@ -227,8 +227,8 @@ impl Cpu {
             let name = self.image.dbs.iter().find(|db| db.number == number).map_or("", |db| db.name.as_str());
             let named = if name.is_empty() { String::new() } else { format!(" \"{name}\"") };
             let why = match self.image.profile.family {
-                Family::S7200 => "V memory begins with the values of the data block, which is another than that of",
-                _ => "begins with its start values: its layout is another than in",
+                Family::S7200 => "V memory begins with the values of the data block, which differs from the one in",
+                _ => "begins with its start values: its layout differs from the one in",
             };
             match self.image.profile.family {
                 Family::S7200 => say(&format!("{why} {path}{kept}")),
@@ -238,8 +238,12 @@ impl Cpu {
         }
         match loaded.references {
             0 => {}
-            1 => say(&format!("a reference into a data block that is another one than in {path} begins anew{kept}")),
-            n => say(&format!("{n} references into data blocks that are others than in {path} begin anew{kept}")),
+            1 => say(&format!(
+                "a reference begins with its initial value: its data block is not the one in {path}{kept}"
+            )),
+            n => say(&format!(
+                "{n} references begin with their initial values: their data blocks are not those in {path}{kept}"
+            )),
         }
         if let Some(names) = listed(&loaded.gone) {
             say(&format!("{path} has values of {names}, which the program does not have: they are left out{kept}"));

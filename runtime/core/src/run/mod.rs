@@ -392,7 +392,7 @@ fn verdict(cpu: &Cpu, options: &RunOptions, session: &Session, cycles: u64) -> (
         let place = failure.place().map(|place| format!(" {place}")).unwrap_or_default();
         let beside = match failure.beside.is_empty() {
             true => String::new(),
-            false => format!("; beside it: {}", failure.beside.join(", ")),
+            false => format!("; other values: {}", failure.beside.join(", ")),
         };
         let (file, line, text) = (&failure.file, failure.line, &failure.text);
         lines.push(format!("{file}:{line}: expected {text}, but it is {}{place}{beside}", failure.left));

@@ -162,7 +162,7 @@ impl Pieces<'_> {
         let (length, check) = (number(0) as usize, number(4));
         let (piece, rest) = rest.split_at_checked(length).ok_or_else(&mut cut)?;
         if crc32fast::hash(piece) != check {
-            return Err(damaged("the checksum is another"));
+            return Err(damaged("the checksum differs"));
         }
         let value = match length {
             0 => None,

@@ -133,7 +133,7 @@ impl Tape {
                 }
                 if strict.get() && checksum(cpu) != frame.check {
                     self.fail(format!(
-                        "after cycle {} memory is not as recorded: the program, its files or its library are others",
+                        "after cycle {} memory is not as recorded: the program, its files or its library have changed",
                         cpu.cycle_number()
                     ));
                     return None;
