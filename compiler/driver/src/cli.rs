@@ -438,8 +438,9 @@ pub struct DebugArgs {
     /// `program`, else the project in this folder].
     #[arg(value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
-    /// Serve one client over TCP instead, such as 127.0.0.1:4711; the line with the address goes to standard error.
-    #[arg(long, value_name = "ADDR:PORT")]
+    /// Serve one client over TCP instead, at an address such as 127.0.0.1:4711 or a port of this computer, and print the address on
+    /// standard error.
+    #[arg(long, value_name = "ADDR:PORT", value_parser = plcc_services::options::address)]
     pub listen: Option<std::net::SocketAddr>,
     /// Repeat a run that was recorded with `plcc run --record`.
     #[arg(long, value_name = "RECORDING")]

@@ -12,6 +12,7 @@ use plcc_runtime::change::Loader;
 use plcc_runtime::online::Service;
 use plcc_runtime::options::split_list;
 use plcc_runtime::partners::Board;
+use plcc_runtime::s7200::socket_address;
 use plcc_runtime::signal;
 use tokio::runtime::Builder;
 use tokio_rustls::TlsAcceptor;
@@ -33,7 +34,7 @@ use crate::web::{self, Page, Tables, Users};
 /// Flags of the services. They have precedence over plc.toml.
 #[derive(Args, Clone, Debug, Default)]
 pub struct ServiceOptions {
-    /// Answer S7 clients, as panels and libraries are: address and port, or a port of this computer alone
+    /// Answer S7 clients, such as panels and libraries; a port without an address is only for clients on this computer
     #[arg(long, value_name = "ADDR:PORT", value_parser = address)]
     pub s7: Option<SocketAddr>,
     /// Answer Modbus TCP clients
@@ -99,12 +100,12 @@ impl From<Access> for Right {
     }
 }
 
-/// `0.0.0.0:102`, `[::]:102`, or a port alone, which is one of this computer. `Err`: the error.
+/// `0.0.0.0:102`, `[::]:102`, `localhost:102`, or a port alone, which is one of this computer. `Err`: the error.
 pub fn address(text: &str) -> Result<SocketAddr, String> {
     if let Ok(port) = text.parse::<u16>() {
         return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
     }
-    text.parse().map_err(|_| match text.bytes().all(|digit| digit.is_ascii_digit()) {
+    socket_address(text).ok_or_else(|| match text.bytes().all(|digit| digit.is_ascii_digit()) {
         true => format!("`{text}` is not a port: ports are 1 to 65535"),
         false => format!("`{text}` is not an address with a port, as in 127.0.0.1:10102"),
     })
@@ -506,6 +507,7 @@ mod tests {
         assert_eq!(address("10102"), Ok("127.0.0.1:10102".parse().unwrap()));
         assert_eq!(address("0.0.0.0:102"), Ok("0.0.0.0:102".parse().unwrap()));
         assert_eq!(address("[::1]:102"), Ok("[::1]:102".parse().unwrap()));
+        assert_eq!(address("localhost:102"), address("102"));
         for text in ["", "65536", "localhost", "127.0.0.1", ":102"] {
             assert!(address(text).is_err(), "{text}");
         }

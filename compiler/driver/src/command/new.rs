@@ -25,7 +25,9 @@ pub fn new(args: &NewArgs) -> u8 {
     match write(&args.folder, &name, &args.cpu, &cpu) {
         Ok(()) => {
             let folder = args.folder.display();
-            report::print(&format!("made {folder}; run its test with `plcc test {folder}`\n")).err().unwrap_or(exit::OK)
+            let quote = if folder.to_string().contains(' ') { "'" } else { "" };
+            let made = format!("made {folder}; run its test with `plcc test {quote}{folder}{quote}`\n");
+            report::print(&made).err().unwrap_or(exit::OK)
         }
         Err(error) => {
             report::say(&format!("cannot make `{}`: {error}", args.folder.display()));

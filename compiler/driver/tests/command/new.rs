@@ -22,7 +22,8 @@ fn a_new_project_builds_and_passes_its_test() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for cpu in ["1214C", "315-2DP", "224", "s7-1500", "s7-400"] {
         let name = format!("plant {cpu}");
-        done(folder.path(), &["new", &name, "--cpu", cpu]);
+        let said = done(folder.path(), &["new", &name, "--cpu", cpu]);
+        assert_eq!(said, format!("made {name}; run its test with `plcc test '{name}'`\n"));
         let project = folder.path().join(&name);
         assert!(done(&project, &["test", "--deny", "warnings"]).ends_with("4 passed, 0 failed\n"));
         assert_eq!(done(&project, &["fmt", "--check"]), "");
