@@ -43,8 +43,18 @@ pub fn classify<'a>(
 ) -> Classified<Tok<'a>> {
     let mode = if data { Mode::Data } else { Mode::Code };
     let classified = Classified { tokens: Vec::new(), pragmas: Vec::new(), diagnostics: Vec::new() };
-    let mut classifier =
-        Classifier { file, text, detected, pragmas, mode, place: Where::Statement, end: 0, parentheses: 0, classified };
+    let mut classifier = Classifier {
+        file,
+        text,
+        detected,
+        pragmas,
+        mode,
+        place: Where::Statement,
+        end: 0,
+        parentheses: 0,
+        in_function: false,
+        classified,
+    };
     for line in lines {
         classifier.line(line);
     }
@@ -68,6 +78,7 @@ pub fn classify_assertion<'a>(
         place: Where::Assertion,
         end: 0,
         parentheses: 0,
+        in_function: false,
         classified,
     };
     classifier.operands(tokens);
@@ -86,6 +97,8 @@ struct Classifier<'a, 'd> {
     end: usize,
     /// Open parentheses that were reported.
     parentheses: usize,
+    /// In a FUNCTION or FUNCTION_BLOCK, which was reported and is read as a subroutine.
+    in_function: bool,
     classified: Classified<Tok<'a>>,
 }
 
@@ -288,6 +301,11 @@ impl<'a> Classifier<'a, '_> {
                 self.mode = Mode::Skipped;
                 return true;
             }
+            "FUNCTION" | "FUNCTION_BLOCK" if self.function(code) => return true,
+            "END_FUNCTION" | "END_FUNCTION_BLOCK" if self.in_function => {
+                self.in_function = false;
+                (Mode::Code, Tok::EndBlock(BlockKind::Subroutine))
+            }
             "FUNCTION" | "FUNCTION_BLOCK" | "TYPE" | "STRUCT" | "END_FUNCTION" | "END_FUNCTION_BLOCK" | "END_TYPE"
             | "END_STRUCT" | "PROGRAM" | "CONFIGURATION"
                 if code.get(1).is_none_or(|next| next.kind != RawKind::Colon) =>
@@ -307,6 +325,31 @@ impl<'a> Classifier<'a, '_> {
         true
     }
 
+    /// `FUNCTION_BLOCK FB1`, `FUNCTION "Motor" : VOID`: read as a subroutine.
+    fn function(&mut self, code: &[RawToken]) -> bool {
+        let [keyword, name, rest @ ..] = code else { return false };
+        if !matches!(name.kind, RawKind::Word | RawKind::Quoted) {
+            return false;
+        }
+        let written = name.text(self.text).trim_matches('"');
+        let digits = written.trim_start_matches(|c: char| c.is_ascii_alphabetic());
+        let letters = &written[..written.len() - digits.len()];
+        let number = match rest.first() {
+            Some(number) if digits.is_empty() && number.kind == RawKind::Integer => number.text(self.text),
+            _ => digits,
+        };
+        let is_number = !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
+        let numbered = is_number && ["FB", "FC"].iter().any(|known| known.eq_ignore_ascii_case(letters));
+        let meant = if numbered { format!("SBR_{number}:SBR{number}") } else { format!("{written}:SBR0") };
+        let help = format!("write `SUBROUTINE_BLOCK {meant}`, and `END_SUBROUTINE_BLOCK` at its end");
+        self.foreign(keyword, &format!("the S7-200 has no `{}`", keyword.text(self.text)), &help);
+        self.mode = Mode::Code;
+        self.in_function = true;
+        self.push(keyword.range(), Tok::Header(BlockKind::Subroutine));
+        self.push(name.range(), Tok::Name(written));
+        true
+    }
+
     fn foreign(&mut self, token: &RawToken, title: &str, help: &str) {
         let span = self.span(token.range());
         self.report(Diagnostic::new(Code::ForeignLanguage, span, title).label("not of the S7-200").help(help));
@@ -314,6 +357,7 @@ impl<'a> Classifier<'a, '_> {
 
     /// `name:SBR3`, `SBR3` or a name after the keyword of a block.
     fn header(&mut self, token: Tok<'a>, code: &[RawToken]) -> bool {
+        self.in_function = false;
         self.mode = if token == Tok::DataHeader { Mode::Data } else { Mode::Code };
         let (Some(first), Some(last)) = (code.first(), code.last()) else { return false };
         self.push(first.range(), token);
