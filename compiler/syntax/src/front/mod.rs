@@ -32,8 +32,8 @@ pub use comment::{Comment, CommentForm};
 pub use cursor::{Classified, Cursor, Spanned, tokens_text};
 pub use expression::Sub;
 pub use recover::{
-    Brackets, NESTING_MAX, drop_followers_of_comment, stray_characters, stray_help, too_deep, unclosed_comment,
-    unterminated_name, unterminated_text,
+    Brackets, NESTING_MAX, drop_followers_of_comment, in_curved_quotes, stray_characters, stray_help, too_deep,
+    unclosed_comment, unterminated_name, unterminated_text,
 };
 pub use scan::{Bracket, Kind, RawText, RawToken, Role, after_point, scan, shift, skip_text, skip_through};
 pub use state::{ParseState, Place, error_range};

@@ -125,13 +125,26 @@ pub fn stray_characters(span: Span, characters: &str, whole: &str, language: &st
         .help(help)
 }
 
-/// What to write in place of `characters` in notations of quotes and `//`. `what`: `name` or `symbol`.
-pub fn stray_help(characters: &str, what: &str) -> String {
-    match characters.chars().next().unwrap_or(' ') {
+/// What to write in place of the character with which `rest` of the text begins, in notations of quotes and `//`.
+/// `what`: `name` or `symbol`.
+pub fn stray_help(rest: &str, what: &str) -> String {
+    match rest.chars().next().unwrap_or(' ') {
         '‘' | '’' | '`' => "write texts in straight quotes: `'text'`".to_owned(),
-        '“' | '”' | '„' => format!("write {what}s in straight quotes: `\"{what}\"`"),
+        '“' | '”' | '„' => {
+            let name = in_curved_quotes(rest).map_or(what, |(name, _)| name);
+            format!("write {what}s in straight quotes: `\"{name}\"`")
+        }
         '–' | '—' | '−' => "write the sign as `-`".to_owned(),
         '\\' => "comments begin with `//`".to_owned(),
         _ => "remove it, or put it into a comment after `//`".to_owned(),
     }
+}
+
+/// The name in `“name”` at the beginning of `text`, and the bytes of both with the quotes.
+pub fn in_curved_quotes(text: &str) -> Option<(&str, usize)> {
+    let inner = text.strip_prefix(['“', '”', '„'])?;
+    let line = inner.lines().next()?;
+    let end = line.find(['“', '”']).filter(|end| *end > 0)?;
+    let quote = line[end..].chars().next()?;
+    Some((&line[..end], text.len() - inner.len() + end + quote.len_utf8()))
 }

@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::Classifier;
 use crate::ast::Width;
-use crate::front::foreign_address;
+use crate::front::{self, foreign_address};
 use crate::s7200::Insn;
 use crate::s7200::address::{self, AddressError};
 use crate::s7200::ast::{Area, BlockKind, SymbolForm};
@@ -47,6 +47,10 @@ impl<'a> Classifier<'a, '_> {
         let mut at = 0;
         while let Some(token) = tokens.get(at).copied() {
             at += 1;
+            if let Some(count) = self.curved_quotes(&tokens[at - 1..]) {
+                at += count - 1;
+                continue;
+            }
             if self.shown_symbol(&tokens[at - 1..]) {
                 at += 2;
                 continue;
@@ -106,6 +110,20 @@ impl<'a> Classifier<'a, '_> {
         }
         self.push(place.range(), token);
         true
+    }
+
+    /// `“Start”`, whose quotes belong to the word: how many tokens it has.
+    fn curved_quotes(&mut self, tokens: &[RawToken]) -> Option<usize> {
+        let start = tokens.first().filter(|token| token.kind == RawKind::Word)?.range().start;
+        let (name, length) = front::in_curved_quotes(self.text.get(start..)?)?;
+        let range = start..start + length;
+        self.report(
+            Diagnostic::new(Code::ForeignForm, self.span(range.clone()), "a symbol is written in straight quotes")
+                .label("curved quotes")
+                .help(format!("write `\"{name}\"`")),
+        );
+        self.push(range.clone(), Tok::BadOperand);
+        Some(tokens.iter().take_while(|token| token.range().start < range.end).count())
     }
 
     /// `$FF`, as other assemblers write a hexadecimal number.

@@ -370,7 +370,8 @@ impl<'a> Classifier<'a, '_> {
                 .help("write `#name` without a blank, or `#\"name\"`"),
             RawKind::Stray => {
                 let language = "SCL outside texts and comments";
-                front::stray_characters(span, slice, "statement", language, &front::stray_help(slice, "name"))
+                let help = front::stray_help(self.text.get(span.start as usize..).unwrap_or_default(), "name");
+                front::stray_characters(span, slice, "statement", language, &help)
             }
             _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not allowed here"))
                 .label("not expected")

@@ -287,7 +287,8 @@ impl<'a> Classifier<'a, '_> {
                     );
                     return self.skip_stray();
                 }
-                front::stray_characters(span, slice, "statement", language, &front::stray_help(slice, "symbol"))
+                let help = front::stray_help(self.text.get(span.start as usize..).unwrap_or_default(), "symbol");
+                front::stray_characters(span, slice, "statement", language, &help)
             }
             _ if slice == "-"
                 && self
