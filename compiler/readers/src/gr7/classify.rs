@@ -16,6 +16,7 @@ mod row;
 
 use plcc_diag::{Code, Diagnostic, FileId};
 
+use keyword::german;
 pub use keyword::{Keyword, at as keyword_at, join_words, misspelt};
 
 use super::lexer::{RawKind, RawToken};
@@ -161,10 +162,27 @@ impl<'a> Classifier<'a, '_> {
                     self.steps(Tok::To);
                     self.push_here(Tok::Jump);
                 }
+                _ if let Some((meant, tok)) = self.german_clause(token) => {
+                    self.report(frame_words::misspelt(self.span(token), self.slice(token), meant));
+                    self.steps(tok);
+                }
                 _ => self.outside_of_clauses(token),
             }
         }
         self.end(opening, Keyword::EndTransition);
+    }
+
+    /// `VON Step`, `NACH Step`
+    fn german_clause(&self, token: RawToken) -> Option<(&'static str, Tok<'static>)> {
+        let named = self.raw.get(self.at + 1).is_some_and(|next| is_name(next.kind) && !next.first_on_line);
+        if !named || token.kind != RawKind::Word {
+            return None;
+        }
+        match german(self.slice(token))? {
+            "FROM" => Some(("FROM", Tok::From)),
+            "TO" => Some(("TO", Tok::To)),
+            _ => None,
+        }
     }
 
     /// Name, number and colon.

@@ -30,6 +30,18 @@ pub fn help(text: &str) -> String {
     {
         return format!("write `({event} {instruction})`: the event comes first");
     }
+    if let [event] = words.as_slice()
+        && Event::of(event).is_some()
+    {
+        return format!("write the instruction after the event, such as `({}_N)`", event.to_ascii_uppercase());
+    }
+    if let [instruction, time] = words.as_slice()
+        && ["D", "L"].iter().any(|known| known.eq_ignore_ascii_case(instruction))
+        && time.starts_with(|c: char| c.is_ascii_digit())
+    {
+        let (instruction, time) = (instruction.to_ascii_uppercase(), time.to_ascii_uppercase());
+        return format!("write the time after the operand, as in `Q4.0 := T#{time} ({instruction})`");
+    }
     let help = match text.trim().to_ascii_uppercase().as_str() {
         "" => "write a qualifier such as `(N)`, `(S)`, `(R)`, `(D)` or `(S1_CU)` after the operand",
         "C" => {

@@ -138,7 +138,26 @@ pub fn misspelt(text: &str, raw: &[RawToken], index: usize) -> Option<Keyword> {
     if ends && !word.starts_with(['E', 'e']) {
         return None;
     }
-    Keyword::of(slip_of(word, candidates.iter().copied()).or_else(|| shortened(word, candidates))?)
+    let meant = german(word)
+        .filter(|keyword| candidates.contains(keyword))
+        .or_else(|| slip_of(word, candidates.iter().copied()))
+        .or_else(|| shortened(word, candidates))?;
+    Keyword::of(meant)
+}
+
+/// The keyword that a German word stands for: a source has English ones, whatever the language of the editor.
+pub fn german(word: &str) -> Option<&'static str> {
+    const WORDS: [(&str, &str); 8] = [
+        ("SCHRITT", "STEP"),
+        ("INITIALSCHRITT", "INITIAL_STEP"),
+        ("INIT_SCHRITT", "INITIAL_STEP"),
+        ("END_SCHRITT", "END_STEP"),
+        ("ENDE_SCHRITT", "END_STEP"),
+        ("ENDE_TRANSITION", "END_TRANSITION"),
+        ("VON", "FROM"),
+        ("NACH", "TO"),
+    ];
+    WORDS.iter().find(|(german, _)| german.eq_ignore_ascii_case(word)).map(|(_, keyword)| *keyword)
 }
 
 /// `SUPERVISON`, `INTERLOCK_CONDITION`, alone before a line with `CONDITION :=`.
