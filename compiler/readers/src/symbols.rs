@@ -187,7 +187,10 @@ impl Reader<'_> {
         };
         let mut message =
             self.message(start, line, "neither a row of .asc, .sdf, .seq, .dif nor of `;`-separated text");
-        message.title = "the columns of this symbol table have none of the known forms".to_string();
+        message.title = match line.contains(loose::is_curved_quote) {
+            true => "a symbol table has straight quotes".to_string(),
+            false => "the columns of this symbol table have none of the known forms".to_string(),
+        };
         message.severity = Severity::Error;
         let ty = if row.ty.is_empty() { "BOOL" } else { row.ty };
         self.diagnostics.push(message.help(format!(

@@ -38,7 +38,7 @@ pub fn row(line: &str) -> Option<Row<'_>> {
 /// What is between quotes, separators and gaps. One blank is part of an address such as `I 0.0`, and more are if a number follows letters.
 fn parts(line: &str) -> Vec<&str> {
     let mut found = Vec::new();
-    for field in line.split([',', ';', '\t', '"', '\u{feff}']) {
+    for field in line.split(|c: char| matches!(c, ',' | ';' | '\t' | '"' | '\u{feff}') || is_curved_quote(c)) {
         let mut rest = field.trim();
         while !rest.is_empty() {
             let end = gap(rest);
@@ -48,6 +48,11 @@ fn parts(line: &str) -> Vec<&str> {
     }
     found.retain(|part| !part.is_empty());
     found
+}
+
+/// A quote of a text processor.
+pub fn is_curved_quote(c: char) -> bool {
+    matches!(c, '“' | '”' | '„')
 }
 
 /// Where the first part of `text` ends: at a gap of two blanks or more, unless the blanks are inside an address.
@@ -83,6 +88,7 @@ mod tests {
         assert_eq!(of("\"Lamp\" \"Q 4.0\",\"BOOL\",\"\""), Some(("Lamp", "Q 4.0", "BOOL")));
         assert_eq!(of("126,Main key I 0.0 BOOL"), Some(("Main key", "I 0.0", "BOOL")));
         assert_eq!(of("  I 0.0  Key"), Some(("Key", "I 0.0", "")));
+        assert_eq!(of("“Main key”,“I 0.0”,“BOOL”,“”"), Some(("Main key", "I 0.0", "BOOL")));
         for line in ["", "Lamp", "I 0.0", "I 0.0; Q 0.0; x", "a text of several words"] {
             assert_eq!(of(line), None, "{line}");
         }
