@@ -127,6 +127,15 @@ impl Report {
                 return message.help(help);
             }
             let quoted = span.end - span.start == name.len() as u32 + 2;
+            let is_number = |letters: &&str| {
+                let head = name.get(..letters.len()).is_some_and(|head| head.eq_ignore_ascii_case(letters));
+                head && name.len() > letters.len() && name[letters.len()..].bytes().all(|digit| digit.is_ascii_digit())
+            };
+            if quoted && BLOCKS.iter().any(is_number) {
+                return message.help(format!(
+                    "the number of a block has no quotes: write `{name}`, or add the source or the table that has this name"
+                ));
+            }
             if let Some(value) = foreign_value(name).filter(|_| !quoted) {
                 return message.help(format!("write {value}"));
             }

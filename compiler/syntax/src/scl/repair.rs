@@ -5,7 +5,7 @@
 //!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
-//!              labels.rs: GOTO 10
+//!              labels.rs: GOTO 10                  addresses.rs: MW 10
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
 //!              around.rs: NAMESPACE                enumerations.rs: TYPE x : INT (a, b)
 //! ```
@@ -13,6 +13,7 @@
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
 //! their tokens are not even copied.
 
+mod addresses;
 mod around;
 mod cases;
 mod choices;
@@ -225,6 +226,7 @@ impl<'t> Repair<'t> {
                 || self.endless(token)
                 || self.leaving(token)
                 || self.short_circuit(token)
+                || self.parted_address(token)
                 || self.foreign_statement(token)
                 || self.foreign_value(token)
                 || self.bare_argument(token)

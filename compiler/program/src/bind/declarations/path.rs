@@ -383,8 +383,9 @@ impl Declarations<'_> {
         let has = |other: &&str| structure.members.iter().any(|member| member.name.eq_ignore_ascii_case(other));
         let habit =
             TIMER_WORDS.iter().filter(|(own, _)| own.eq_ignore_ascii_case(name)).map(|(_, other)| *other).find(has);
-        let word = word_of_step5(name).filter(|_| !structure.members.is_empty());
-        self.report(match (word, habit.or_else(|| similar(name, names))) {
+        let address = word_of_step5(name).filter(|_| !structure.members.is_empty());
+        let address = address.or_else(|| bit_of_block(name));
+        self.report(match (address, habit.or_else(|| similar(name, names))) {
             (Some(help), _) => message.help(help),
             (None, Some(other)) => message.help(format!("is `{other}` meant?")),
             (None, None) => {
@@ -413,6 +414,16 @@ fn word_of_step5(name: &str) -> Option<String> {
         }
         None => format!("write `{address}`"),
     })
+}
+
+/// What `DBX 2` may mean: an address in the block.
+fn bit_of_block(name: &str) -> Option<String> {
+    let after = |letters: &str| {
+        let head = name.get(..letters.len()).filter(|head| head.eq_ignore_ascii_case(letters));
+        head.map(|_| name[letters.len()..].trim_start())
+    };
+    let byte: u32 = after("DBX").or_else(|| after("DX"))?.parse().ok()?;
+    Some(format!("if you mean the address: a bit is `DBX{byte}.0` to `DBX{byte}.7`, the byte `DBB{byte}`"))
 }
 
 /// Components of timers and counters in other controllers, and what they are called here.
