@@ -111,14 +111,8 @@ impl Report {
 
     /// `meant`: a name that resembles it.
     pub fn missing_symbol(&mut self, name: &str, span: Span, meant: Option<String>) {
-        const BLOCKS: [&str; 8] = ["OB", "FB", "FC", "SFB", "SFC", "DB", "DI", "UDT"];
-        let is_whole = span.end - span.start == name.len() as u32;
-        if is_whole && BLOCKS.iter().any(|letters| letters.eq_ignore_ascii_case(name)) {
-            return self.push(
-                Diagnostic::new(Code::MissingOperand, span, format!("`{name}` has no number"))
-                    .label("a number is missing after this")
-                    .help(format!("write the number of the block, as in `{name} 5`")),
-            );
+        if let Some(message) = block_without_number(name, span) {
+            return self.push(message);
         }
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
@@ -249,7 +243,7 @@ impl Report {
     /// `shown`: the name as written; `meant`: a type of the program that resembles it.
     pub fn missing_type(&mut self, name: &str, shown: &str, span: Span, meant: Option<String>) {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
-            if let Some(message) = absent_instruction(name, span) {
+            if let Some(message) = block_without_number(shown, span).or_else(|| absent_instruction(name, span)) {
                 return message;
             }
             let title = format!("the data type `{shown}` is not defined");
@@ -394,6 +388,22 @@ impl Report {
         }
         (diagnostics, list)
     }
+}
+
+/// Letters of the numbers of blocks.
+const BLOCKS: [&str; 8] = ["OB", "FB", "FC", "SFB", "SFC", "DB", "DI", "UDT"];
+
+/// The message for the letters of a block alone, `FB` in `DATA_BLOCK DB 10 FB`.
+fn block_without_number(name: &str, span: Span) -> Option<Diagnostic> {
+    let is_whole = span.end - span.start == name.len() as u32;
+    if !is_whole || !BLOCKS.iter().any(|letters| letters.eq_ignore_ascii_case(name)) {
+        return None;
+    }
+    Some(
+        Diagnostic::new(Code::MissingOperand, span, format!("`{name}` has no number"))
+            .label("a number is missing after this")
+            .help(format!("write the number of the block, as in `{name} 5`")),
+    )
 }
 
 /// Tags that the TIA Portal makes for the system memory and the clock memory, with the addresses that it proposes.

@@ -438,6 +438,16 @@ fn mismatch(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: 
                 }
             })
         }
+        (_, Form::Memory(_, width @ (Width::Word | Width::Dword))) if class == OperandClass::AddConstant => {
+            let add = match width == Width::Dword {
+                true => format!("`{written}D`, or `{written}R` for REAL"),
+                false => format!("`{written}I`"),
+            };
+            (
+                format!("`{written}` adds a constant, not a value in memory"),
+                format!("write `L {shown}` in the line before, and here {add}"),
+            )
+        }
         (_, Form::Memory(Some(Area::Pi), _)) if class == OperandClass::TransferTarget => (
             format!("`{shown}` is a peripheral input and cannot be written"),
             match set {

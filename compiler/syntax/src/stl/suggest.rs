@@ -8,6 +8,7 @@ use crate::stl::{Mnemonics, OperandClass, StlInsn};
 const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("LD", "`A` begins a string of logic; `LD` belongs to S7-200"),
     ("LDN", "`AN` begins a string of logic; `LDN` belongs to S7-200"),
+    ("IN", "write `A`, or `AN` for the negated operand"),
     ("AND", "write `A`"),
     ("OR", "write `O`"),
     ("XOR", "write `X`"),
