@@ -1,7 +1,7 @@
 //! Labels that no jump names and statements that are never reached, in the typed tree.
 
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
-use plcc_model::scl::{Expr, ExprKind, SclBody, Statement, StatementKind, walk};
+use plcc_model::scl::{BinaryOp, Expr, ExprKind, SclBody, Statement, StatementKind, UnaryOp, walk};
 use plcc_model::{LabelId, Operand, StlStatementKind};
 use rustc_hash::FxHashSet;
 
@@ -181,9 +181,23 @@ impl Reached<'_> {
         }
     }
 
-    /// A condition that is written as TRUE or FALSE. A named constant may have another value in the next version.
+    /// A condition that is written as TRUE or FALSE, or that such a word decides, as `a AND FALSE`. A named constant may have another value
+    /// in the next version.
     fn written(&self, condition: &Expr) -> Option<bool> {
-        let ExprKind::Const(value) = condition.kind else { return None };
+        let value = match &condition.kind {
+            ExprKind::Const(value) => *value,
+            ExprKind::Binary { op: op @ (BinaryOp::And | BinaryOp::Or), left, right } if condition.ty.bits() == 1 => {
+                // What decides alone.
+                let word = *op == BinaryOp::Or;
+                return match (self.written(left), self.written(right)) {
+                    (Some(one), _) | (_, Some(one)) if one == word => Some(word),
+                    (Some(_), Some(_)) => Some(!word),
+                    _ => None,
+                };
+            }
+            ExprKind::Unary { op: UnaryOp::Not, operand } => return self.written(operand).map(|value| !value),
+            _ => return None,
+        };
         let span = condition.span;
         let text = self.sources.file(span.file).text.get(span.start as usize..span.end as usize)?;
         let is_word = self.is_text && (text.eq_ignore_ascii_case("TRUE") || text.eq_ignore_ascii_case("FALSE"));
