@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::count::counted;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
@@ -71,6 +71,9 @@ impl SclBinder<'_, '_> {
         if let Some(copy) = whole_copy(&source, &target, &count) {
             return Some(vec![copy]);
         }
+        if !self.check_count(&source, &count) {
+            self.check_count(&target, &count);
+        }
         let mut code = Vec::new();
         let from = self.kept(ctx, &mut code, source.first.clone());
         let to = self.kept(ctx, &mut code, target.first.clone());
@@ -128,6 +131,7 @@ impl SclBinder<'_, '_> {
             code.extend(filled);
             return Some(code);
         }
+        self.check_count(&target, &count);
         let to = self.kept(ctx, &mut code, target.first.clone());
         let left = self.temp(ctx, Elementary::Dint, span);
         code.push(StatementKind::Assign { target: left.clone(), value: count });
@@ -142,6 +146,30 @@ impl SclBinder<'_, '_> {
             body: vec![Statement { kind: StatementKind::Assign { target: element, value }, span }],
         });
         Some(code)
+    }
+
+    /// Warns of a COUNT that is a number and more than the elements of the array from the first one on; true if it does.
+    fn check_count(&mut self, run: &Run, count: &Expr) -> bool {
+        let (ExprKind::Const(first), ExprKind::Const(number), IndexBounds::Known(_, high)) =
+            (&run.first.kind, &count.kind, run.bounds)
+        else {
+            return false;
+        };
+        let left = i64::from(high) - i64::from(*first as u32 as i32) + 1;
+        let number = i64::from(*number as u32 as i32);
+        if number <= left {
+            return false;
+        }
+        let array = self.program.globals.text(run.array.span);
+        let left = counted(left as usize, "element");
+        let mut message =
+            Diagnostic::new(Code::ArrayIndex, count.span, format!("`{array}` has only {left} here, not {number}"))
+                .label("only these are written, and ENO is FALSE")
+                .also(run.first.span, "counted from this element on")
+                .help("write a smaller COUNT, or declare a larger array");
+        message.severity = Severity::Warning;
+        self.program.report(message);
+        true
     }
 
     /// `a[i]` and everything after it in the array.
