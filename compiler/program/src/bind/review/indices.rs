@@ -1,12 +1,13 @@
-//! Loops in SCL whose variable is an index beyond the bounds of an array: `FOR i := 0 TO 10` and `ARRAY[0..9]`.
+//! Loops in SCL whose variable, or a sum with it, is an index beyond the bounds of an array: `FOR i := 0 TO 10` and `ARRAY[0..9]`.
 //!
 //! Only statements that each pass reaches count, in loops with constant limits that nothing leaves.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_model::scl::{Access, Conversion, Expr, ExprKind, IndexBounds, Statement, StatementKind, walk};
+use plcc_model::scl::{Access, BinaryOp, Conversion, Expr, ExprKind, IndexBounds, Statement, StatementKind, walk};
 
 use super::region::Bits;
 use super::tree::known;
+use crate::bind::scl::constant;
 
 /// Reports the loops in `list` and in the lists inside it. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
@@ -20,8 +21,9 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
             let last = start + (end - start) / step * step;
             let mut used = Used { counted, low: start.min(last), high: start.max(last), beyond: None };
             used.passed(body);
-            if let Some(Beyond { index, low, high, is_text }) = used.beyond {
-                let (from, to) = (start.clamp(low, high), last.clamp(low, high));
+            if let Some(Beyond { index, offset, low, high, is_text }) = used.beyond {
+                let within = |value: i128| (value + offset).clamp(low, high) - offset;
+                let (from, to) = (within(start), within(last));
                 let by = if step == 1 { String::new() } else { format!(" BY {step}") };
                 let (title, parts, longer) = match is_text {
                     true => ("the loop goes beyond the characters of this text", "characters", "a longer text"),
@@ -32,7 +34,7 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
                 let help = format!("write `FOR {} := {from} TO {to}{by} DO`, or declare {longer}", text(variable.span));
                 found.push(
                     Diagnostic::new(Code::IndexOfLoop, index, title)
-                        .label(format!("{start} to {last}, but the {parts} are {low} to {high}"))
+                        .label(format!("{} to {}, but the {parts} are {low} to {high}", start + offset, last + offset))
                         .also(statement.span, "the loop")
                         .help(help),
                 );
@@ -67,6 +69,8 @@ struct Used {
 /// The first index that goes beyond its array or text.
 struct Beyond {
     index: Span,
+    /// What it adds to the variable.
+    offset: i128,
     low: i128,
     high: i128,
     is_text: bool,
@@ -98,12 +102,20 @@ impl Used {
         }
     }
 
-    fn is_counted(&self, index: &Expr) -> bool {
-        match &index.kind {
-            ExprKind::Load(access) => access.part.is_none() && Bits::of(access) == Some(self.counted),
-            ExprKind::Convert { conversion: Conversion::Value(_), operand } => self.is_counted(operand),
-            _ => false,
-        }
+    /// What an index adds to the variable, as 1 in `i + 1`. None: it is something else, or may wrap.
+    fn offset(&self, index: &Expr) -> Option<i128> {
+        let offset = match &index.kind {
+            ExprKind::Load(access) if access.part.is_none() && Bits::of(access) == Some(self.counted) => 0,
+            ExprKind::Convert { conversion: Conversion::Value(_), operand } => self.offset(operand)?,
+            ExprKind::Binary { op: BinaryOp::Add, left, right } => match known(right) {
+                Some(number) => self.offset(left)? + number,
+                None => self.offset(right)? + known(left)?,
+            },
+            ExprKind::Binary { op: BinaryOp::Subtract, left, right } => self.offset(left)? - known(right)?,
+            _ => return None,
+        };
+        let (least, greatest) = constant::range(index.ty);
+        (self.low + offset >= least && self.high + offset <= greatest).then_some(offset)
     }
 }
 
@@ -112,13 +124,14 @@ impl walk::Visitor for Used {
         for index in &access.indices {
             if let Some((low, high)) = index.bounds.known()
                 && self.beyond.is_none()
-                && self.is_counted(&index.value)
+                && let Some(offset) = self.offset(&index.value)
             {
                 let (low, high) = (i128::from(low), i128::from(high));
+                let (least, greatest) = (self.low + offset, self.high + offset);
                 // An array whose elements are all elsewhere has no loop of its own that would fit.
-                if (self.low < low || self.high > high) && self.low <= high && self.high >= low {
+                if (least < low || greatest > high) && least <= high && greatest >= low {
                     let is_text = matches!(index.bounds, IndexBounds::Characters { .. });
-                    self.beyond = Some(Beyond { index: index.value.span, low, high, is_text });
+                    self.beyond = Some(Beyond { index: index.value.span, offset, low, high, is_text });
                 }
             }
         }
