@@ -9,6 +9,7 @@
 //! - [`indices`]: loops that go beyond the bounds of an array.
 //! - [`division`]: divisions of whole numbers in SCL that become a REAL.
 //! - [`instances`]: IEC timers and counters in SCL that two calls share.
+//! - [`itself`]: comparisons of a variable with itself in SCL.
 //! - [`joined`]: comparisons of one value in SCL that are joined the wrong way.
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
@@ -26,6 +27,7 @@ mod division;
 mod endless;
 mod indices;
 mod instances;
+mod itself;
 mod joined;
 mod negation;
 mod numbers;
@@ -79,6 +81,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                     branches::review(&body.statements, &text, &mut found);
                     division::review(&body.statements, &text, &mut found);
                     instances::review(program, &body.statements, &mut found);
+                    itself::review(&body.statements, &text, &mut found);
                     joined::review(&body.statements, &text, &mut found);
                     negation::review(&body.statements, &text, &mut found);
                     indices::review(&body.statements, &text, &mut found);
