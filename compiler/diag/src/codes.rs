@@ -112,6 +112,7 @@ codes! {
     UnreachableCode = "P0510" Warning "a statement that is never reached";
     UnusedLabel = "P0511" Warning "a label that no jump names";
     TimerWithoutTime = "P0512" Warning "a timer or counter that starts without its value";
+    OtherDataBlock = "P0513" Warning "an access to another data block than the one that was opened";
     Narrowing = "P0520" Warning "a value that may not fit where it goes";
     AlwaysSame = "P0521" Warning "a comparison or division with only one outcome";
     CaseValue = "P0522" Warning "a value of CASE that never matches";

@@ -47,8 +47,16 @@ pub(super) fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
     };
     let unread: FxHashSet<FileId> =
         diagnostics.iter().filter(is_unread).map(|message| message.primary.span.file).collect();
-    let is_doubtful =
-        |code| matches!(code, Code::UnusedLabel | Code::TimerWithoutTime | Code::UnreachableCode | Code::MixedNumbers);
+    let is_doubtful = |code| {
+        matches!(
+            code,
+            Code::UnusedLabel
+                | Code::TimerWithoutTime
+                | Code::OtherDataBlock
+                | Code::UnreachableCode
+                | Code::MixedNumbers
+        )
+    };
     // What could not be read may be OB 1, or hide it, as a comment that is not closed does.
     let hides = |message: &Diagnostic| matches!(message.code, Code::UnterminatedText | Code::BlockFrame);
     let is_hidden = !unread.is_empty() || diagnostics.iter().any(hides);

@@ -13,6 +13,7 @@
 //! - [`joined`]: comparisons of one value in SCL that are joined the wrong way.
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
+//! - [`opened`]: accesses in STL to another data block than the one that was opened.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
 //! - [`outputs`]: outputs that two blocks assign in one cycle.
@@ -31,6 +32,7 @@ mod itself;
 mod joined;
 mod negation;
 mod numbers;
+mod opened;
 mod outputs;
 mod overlaps;
 mod recursion;
@@ -71,6 +73,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 endless::jumps(statements, &mut found);
                 numbers::review(statements, &program.numbers, sources, &mut found);
                 bcd::review(statements, &program.numbers, sources, &mut found);
+                opened::review(program, statements, &mut found);
             }
             Body::Scl(body) if *language != Language::Chart => {
                 tree::labels(body, sources, &mut found);
