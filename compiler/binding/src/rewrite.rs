@@ -73,6 +73,20 @@ pub fn text(constant: &str) -> String {
     format!("write the text in single quotes: `'{inner}'`")
 }
 
+/// What is wrong with the S5TIME constant `text`, whose bits are `word`, and what to write, if it is a shorter time than the text says.
+pub fn cut_s5time(text: &str, word: u16) -> Option<(String, String)> {
+    let (prefix, written) = text.split_once('#')?;
+    let is_s5time = ["S5T", "S5TIME"].iter().any(|known| prefix.eq_ignore_ascii_case(known));
+    let ms = duration::s5time_cut(written, word).filter(|_| is_s5time)?;
+    if ms == 0 {
+        let title = format!("`{text}` is 0, since an S5TIME counts units of 10 ms");
+        return Some((title, "write `S5T#10MS` for the shortest time".to_owned()));
+    }
+    let unit = ["10 ms", "100 ms", "1 s", "10 s"][usize::from(word >> 12 & 3)];
+    let title = format!("`{text}` is {ms} ms, since an S5TIME counts up to 999 units, here of {unit}");
+    Some((title, format!("write the time that the timer has, `S5T#{ms}MS`")))
+}
+
 /// Which values a variable of the type holds.
 pub fn holds(ty: Elementary) -> String {
     match ty.class() {

@@ -45,6 +45,12 @@ pub fn s5time_milliseconds(word: u16) -> Option<u64> {
     Some(units * 10u64.pow(1 + u32::from(word >> 12 & 3)))
 }
 
+/// Milliseconds of the S5TIME `word`, if they are less than those of the duration that was written for it: `12S345MS`.
+pub fn s5time_cut(written: &str, word: u16) -> Option<u64> {
+    let written_ns = nanoseconds(written, Smallest::Millisecond, Fraction::Anywhere).ok()?;
+    s5time_milliseconds(word).filter(|ms| i128::from(*ms) * 1_000_000 < written_ns)
+}
+
 /// Reads `1D2H3M4S5MS`, with a sign or without, in any letter case, `_` between the units allowed. In nanoseconds; what is below is
 /// cut off.
 pub fn nanoseconds(value: &str, smallest: Smallest, fraction: Fraction) -> Result<i128, Fault> {
@@ -188,6 +194,13 @@ mod tests {
             ["10ms", "5s", "2s", "1.5s", "5s", "300ms", "2h"]
         );
         assert_eq!(["soon", "5 weeks", "10ms", "", "1..5s", "-5 sec"].map(meant), [""; 6]);
+    }
+
+    #[test]
+    fn s5times_that_are_cut() {
+        assert_eq!(s5time_cut("12S345MS", 0x1123), Some(12_300));
+        assert_eq!(s5time_cut("5ms", 0x0000), Some(0));
+        assert_eq!([s5time_cut("12S300MS", 0x1123), s5time_cut("2H_46M_30S", 0x3999), s5time_cut("x", 0)], [None; 3]);
     }
 
     #[test]

@@ -232,10 +232,10 @@ fn not_a_time(load: &StlStatement, timer: Span, declared: &NumberTypes, sources:
     let StlStatementKind::Instruction { operand: Operand::Const { value, wide }, .. } = load.kind else { return None };
     let text = sources.file(load.span.file).text.get(load.span.start as usize..load.span.end as usize)?;
     let text = text.split_whitespace().next_back()?.trim_end_matches(';');
-    if value == 0 && is_below_a_unit(text) {
-        let text = format!("`{text}` is 0, since an S5TIME counts units of 10 ms");
-        let message = Diagnostic::new(Code::TimerWithoutTime, timer, text).label("the time is over at once");
-        return Some(message.also(load.span, "loaded here").help("write `S5T#10MS` for the shortest time"));
+    if let Some((title, help)) = rewrite::cut_s5time(text, value as u16) {
+        let label = if value == 0 { "the time is over at once" } else { "the time is over sooner" };
+        let message = Diagnostic::new(Code::TimerWithoutTime, timer, title).label(label);
+        return Some(message.also(load.span, "loaded here").help(help));
     }
     let is_decimal = text.bytes().all(|byte| byte.is_ascii_digit()) && value != 0;
     let count = without_prefix(text, &["C#"]).filter(|_| value != 0);
@@ -251,12 +251,6 @@ fn not_a_time(load: &StlStatement, timer: Span, declared: &NumberTypes, sources:
         false => rewrite::help(Elementary::S5Time, count.unwrap_or(text), Form::Stl),
     };
     Some(message.label(TAKES_BCD).also(load.span, "loaded here").help(help))
-}
-
-/// A duration that is not 0, of an S5TIME that is: `S5T#5MS`.
-fn is_below_a_unit(text: &str) -> bool {
-    text.get(..3).is_some_and(|prefix| prefix.eq_ignore_ascii_case("S5T"))
-        && text.split_once('#').is_some_and(|(_, duration)| duration.bytes().any(|byte| matches!(byte, b'1'..=b'9')))
 }
 
 /// What is wrong if a counter is preset with the constant of `load`, whose bits are not the BCD number that was meant.

@@ -13,8 +13,12 @@ use super::pins::Pins;
 use super::value::Value;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
+use plcc_binding::rewrite::{self, Form};
 use plcc_model::Number;
 use plcc_model::scl::{Access, CounterCall, Expr, ExprKind, TimerCall, TimerKind};
+
+/// What to write for the preset of a counter.
+const COUNT: &str = "write a value from 0 to 999 after `C#`";
 
 impl SclBinder<'_, '_> {
     pub fn timer_function(&mut self, ctx: &mut SclBlock, kind: TimerKind, pins: &Pins, span: Span) -> Option<Value> {
@@ -96,6 +100,9 @@ impl SclBinder<'_, '_> {
     /// The time of a timer: S5TIME, a WORD in the form of one, or a TIME.
     fn timer_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
         let value = self.value(ctx, node)?;
+        if let Value::Constant(Constant::Typed { ty, bits }, span) = &value {
+            self.check_time(*ty, *bits as u16, *span);
+        }
         match Shape::of(&value) {
             Shape::Of(Elementary::S5Time | Elementary::Word) => self.own_type(ctx, value),
             Shape::Of(Elementary::Time) => {
@@ -106,15 +113,52 @@ impl SclBinder<'_, '_> {
         }
     }
 
+    /// Reports a constant that is another time than it says: `S5T#12S345MS`, `C#20`.
+    fn check_time(&mut self, ty: Elementary, word: u16, span: Span) {
+        let text = self.program.globals.text(span);
+        let count = text.get(..2).filter(|prefix| prefix.eq_ignore_ascii_case("C#")).map(|_| &text[2..]);
+        let (title, label, help) = match (ty, count) {
+            (Elementary::S5Time, _) => {
+                let Some((title, help)) = rewrite::cut_s5time(&text, word) else { return };
+                let label = if word == 0 { "the time is over at once" } else { "the time is over sooner" };
+                (title, label, help)
+            }
+            (Elementary::Word, Some(count)) if word != 0 => {
+                let help = rewrite::help(Elementary::S5Time, count, Form::Scl);
+                (format!("`{text}` is not an S5TIME"), "the timer takes the number as units of 10 ms", help)
+            }
+            _ => return,
+        };
+        self.program.report(Diagnostic::new(Code::TimerWithoutTime, span, title).label(label).help(help));
+    }
+
     /// The preset of a counter: a WORD in BCD. Of a decimal number the counter takes the bits, which is hardly intended.
     fn counter_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
-        let value = self.value(ctx, node)?;
+        let mut value = self.value(ctx, node)?;
+        if let Value::Constant(Constant::Typed { ty, bits }, span) = &mut value
+            && *ty == Elementary::S5Time
+        {
+            self.report_count(*bits as u32, *span, COUNT.to_owned());
+            *ty = Elementary::Word;
+        }
         if let Value::Constant(Constant::Integer { value: number, based }, span) = &value
             && let Ok(number) = u32::try_from(*number)
         {
             self.check_count(number, *based, *span)?;
         }
         self.convert(ctx, value, Elementary::Word)
+    }
+
+    /// Reports a constant whose BCD digits are another count than it says.
+    fn report_count(&mut self, number: u32, span: Span, help: String) {
+        let digit = |at: u32| number >> (4 * at) & 0xF;
+        let count = digit(2) * 100 + digit(1) * 10 + digit(0);
+        let text = self.program.globals.text(span);
+        self.program.report(
+            Diagnostic::new(Code::TimerWithoutTime, span, format!("`{text}` is not the value of a counter"))
+                .label(format!("takes its BCD digits, 16#{number:04X}: starts at {count}"))
+                .help(help),
+        );
     }
 
     fn check_count(&mut self, number: u32, based: bool, span: Span) -> Option<()> {
@@ -126,15 +170,10 @@ impl SclBinder<'_, '_> {
         let text = self.program.globals.text(span);
         let help = match number {
             0..=999 => format!("write `C#{number}`"),
-            _ => "write a value from 0 to 999 after `C#`".to_owned(),
+            _ => COUNT.to_owned(),
         };
         if is_bcd {
-            let count = digit(2) * 100 + digit(1) * 10 + digit(0);
-            self.program.report(
-                Diagnostic::new(Code::TimerWithoutTime, span, format!("`{text}` is not the value of a counter"))
-                    .label(format!("takes its BCD digits, 16#{number:04X}: starts at {count}"))
-                    .help(help),
-            );
+            self.report_count(number, span, help);
             return Some(());
         }
         let label = match based {
