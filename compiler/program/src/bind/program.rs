@@ -17,6 +17,7 @@ use super::declarations::interface::variables;
 use super::declarations::path::Base;
 use super::declarations::typed::BoundInterface;
 use super::globals::Globals;
+use super::globals::form::is_index;
 use super::globals::names::{code_kind, kind_prefix};
 use super::globals::sources::CodeSource;
 use super::network::NetworkBinder;
@@ -208,7 +209,7 @@ fn refuse_types(program: &mut Declarations, key: BlockKey, told: usize, span: Sp
         return;
     }
     let Some(bound) = program.interface(key, span) else { return };
-    let parameters = bound.interface.parameters.iter();
+    let parameters = bound.interface.parameters.iter().filter(|parameter| !is_index(&parameter.name));
     let types: Vec<String> =
         parameters.map(|parameter| format!("{} is {}", parameter.name, layout::type_name(&parameter.ty))).collect();
     let title = format!("{} does not take these types", program.globals.shown(key));

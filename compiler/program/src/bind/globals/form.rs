@@ -1,8 +1,8 @@
 //! Instructions of the TIA Portal each of whose pins has the type of its own actual parameter, as functions for STL: `CALL T_ADD`,
-//! `CALL S_CONV`, `CALL S_COMP`.
+//! `CALL S_CONV`, `CALL MOVE_BLK`.
 //!
 //! As in [`super::instruction`], a call becomes a function in SCL with one statement, which is bound as a block of the library, and its
-//! ENO becomes BR.
+//! ENO becomes BR. A pin that goes on from an element of an array is two parameters of the function: the array, and the index.
 //! Source: S7-1500 information system, basic and extended instructions of STL; SCL reference, functions.
 
 use std::fmt::Write;
@@ -17,6 +17,21 @@ pub enum PinType {
     Fixed(Elementary),
     /// From the actual parameter.
     Actual(&'static str),
+    /// From the actual parameter, UDINT for a number without a type: how many elements.
+    Count,
+    /// From the array whose element is the actual parameter: the instruction goes on from there. The word is that of the elements.
+    Elements(&'static str),
+}
+
+impl PinType {
+    /// The word of the type that a call names for the pin.
+    pub fn word(self) -> Option<&'static str> {
+        match self {
+            PinType::Fixed(_) => None,
+            PinType::Actual(word) | PinType::Elements(word) => Some(word),
+            PinType::Count => Some("count"),
+        }
+    }
 }
 
 /// A parameter of an instruction.
@@ -56,6 +71,21 @@ pub struct PinOfCall {
     pub pin: &'static Pin,
     /// As a declaration writes it.
     pub ty: String,
+    /// The type of the index of the element, if `ty` is the array that holds it.
+    pub index: Option<String>,
+}
+
+/// What the name of a parameter with the index of a pin ends with.
+const INDEX: &str = "_INDEX";
+
+/// The name of the parameter with the index of a pin.
+pub fn index_name(pin: &Pin) -> String {
+    format!("{}{INDEX}", pin.name)
+}
+
+/// Whether a parameter of a function for an instruction is the index of a pin, which the call does not name.
+pub fn is_index(parameter: &str) -> bool {
+    parameter.ends_with(INDEX)
 }
 
 const fn input(name: &'static str, ty: PinType) -> Pin {
@@ -78,6 +108,10 @@ const TIME: PinType = PinType::Actual("time");
 /// What T_ADD and T_SUB add to a time, which may be one of another type.
 const DURATION: PinType = PinType::Actual("duration");
 
+const VALUES: PinType = PinType::Elements("value");
+const SOURCES: PinType = PinType::Elements("src");
+const RESULTS: PinType = PinType::Elements("dest");
+
 const BOOL: PinType = PinType::Fixed(Elementary::Bool);
 const USINT: PinType = PinType::Fixed(Elementary::Usint);
 const UINT: PinType = PinType::Fixed(Elementary::Uint);
@@ -85,6 +119,9 @@ const WORD: PinType = PinType::Fixed(Elementary::Word);
 
 const OF_VALUE: &[Pin] = &[input("IN", VALUE), output("OUT", VALUE)];
 const FROM_SOURCE: &[Pin] = &[input("IN", SOURCE), output("OUT", RESULT)];
+// Arrays are passed as IN_OUT: the function changes some of their elements, or reads some without a copy of all.
+const MOVES: &[Pin] = &[in_out("IN", VALUES), input("COUNT", PinType::Count), in_out("OUT", VALUES)];
+const FILLS: &[Pin] = &[input("IN", VALUE), input("COUNT", PinType::Count), in_out("OUT", VALUES)];
 
 #[rustfmt::skip]
 const FORMS: &[Form] = &[
@@ -141,6 +178,20 @@ const FORMS: &[Form] = &[
             in_out("OUT", RESULT),
         ],
     },
+    Form { name: "MOVE_BLK", computation: Computation::Output, pins: MOVES },
+    Form { name: "UMOVE_BLK", computation: Computation::Output, pins: MOVES },
+    Form { name: "FILL_BLK", computation: Computation::Output, pins: FILLS },
+    Form { name: "UFILL_BLK", computation: Computation::Output, pins: FILLS },
+    Form { name: "SCATTER", computation: Computation::Output, pins: &[input("IN", SOURCE), in_out("OUT", RESULT)] },
+    Form { name: "GATHER", computation: Computation::Output, pins: &[in_out("IN", SOURCE), output("OUT", RESULT)] },
+    Form {
+        name: "SCATTER_BLK", computation: Computation::Output,
+        pins: &[in_out("IN", SOURCES), input("COUNT_IN", PinType::Count), in_out("OUT", RESULTS)],
+    },
+    Form {
+        name: "GATHER_BLK", computation: Computation::Output,
+        pins: &[in_out("IN", SOURCES), input("COUNT_OUT", PinType::Count), in_out("OUT", RESULTS)],
+    },
 ];
 
 /// The relations that a call of a comparison names, and the operators of SCL.
@@ -164,20 +215,34 @@ impl Form {
             [("VAR_INPUT", Direction::Input), ("VAR_OUTPUT", Direction::Output), ("VAR_IN_OUT", Direction::InOut)]
         {
             let _ = writeln!(declarations, "{section}");
-            for PinOfCall { pin, ty } in pins.iter().filter(|one| one.pin.direction == direction) {
+            for PinOfCall { pin, ty, .. } in pins.iter().filter(|one| one.pin.direction == direction) {
                 let _ = writeln!(declarations, "  {} : {ty} ;", pin.name);
+            }
+            let indices = pins.iter().filter_map(|one| Some((index_name(one.pin), one.index.as_ref()?)));
+            for (name, ty) in indices.filter(|_| direction == Direction::Input) {
+                let _ = writeln!(declarations, "  {name} : {ty} ;");
             }
             declarations.push_str("END_VAR\n");
         }
+        let value = |one: &PinOfCall| match one.index {
+            Some(_) => format!("#{}[#{}]", one.pin.name, index_name(one.pin)),
+            None => format!("#{}", one.pin.name),
+        };
         let mut inputs = String::new();
-        for pin in self.pins.iter().filter(|pin| pin.name != "OUT") {
-            let _ = write!(inputs, "{0} := #{0}, ", pin.name);
+        let mut target = String::new();
+        for one in pins {
+            match one.pin.name {
+                "OUT" => target = value(one),
+                name => {
+                    let _ = write!(inputs, "{name} := {}, ", value(one));
+                }
+            }
         }
         let word = |name: &str| pins.iter().find(|one| one.pin.name == name).map_or("", |one| conversion_word(&one.ty));
         let name = self.name;
         let statement = match self.computation {
             Computation::Value => format!("#OUT := {name}({inputs}ENO => #good);"),
-            Computation::Output => format!("{name}({inputs}OUT => #OUT, ENO => #good);"),
+            Computation::Output => format!("{name}({inputs}OUT => {target}, ENO => #good);"),
             Computation::Conversion => {
                 format!("#OUT := {}_TO_{}({inputs}ENO => #good);", word("IN"), word("OUT"))
             }
@@ -206,7 +271,9 @@ mod tests {
 
     fn function(name: &str, types: &[&str], operator: &str) -> String {
         let form = Form::find(name).expect("it is in the table");
-        let pins = form.pins.iter().zip(types).map(|(pin, ty)| PinOfCall { pin, ty: (*ty).to_owned() });
+        let index = |ty: &str| ty.starts_with("ARRAY").then(|| "DINT".to_owned());
+        let pins = form.pins.iter().zip(types);
+        let pins = pins.map(|(pin, ty)| PinOfCall { pin, ty: (*ty).to_owned(), index: index(ty) });
         form.function(&pins.collect::<Vec<_>>(), operator)
     }
 
@@ -216,6 +283,14 @@ mod tests {
         assert!(text.contains("VAR_INPUT\n  IN : REAL ;\n  SIZE : USINT ;\n"));
         assert!(text.contains("VAR_IN_OUT\n  OUT : STRING ;\nEND_VAR\n"));
         assert!(text.contains("FORMAT := #FORMAT, P := #P, OUT => #OUT, ENO => #good);\n"));
+    }
+
+    #[test]
+    fn elements_are_an_array_and_an_index() {
+        let text = function("MOVE_BLK", &["ARRAY[0..9] OF INT", "UDINT", "ARRAY[1..5] OF INT"], "");
+        assert!(text.contains("VAR_INPUT\n  COUNT : UDINT ;\n  IN_INDEX : DINT ;\n  OUT_INDEX : DINT ;\nEND_VAR\n"));
+        assert!(text.contains("VAR_IN_OUT\n  IN : ARRAY[0..9] OF INT ;\n  OUT : ARRAY[1..5] OF INT ;\nEND_VAR\n"));
+        assert!(text.contains("  MOVE_BLK(IN := #IN[#IN_INDEX], COUNT := #COUNT, OUT => #OUT[#OUT_INDEX], ENO => "));
     }
 
     #[test]

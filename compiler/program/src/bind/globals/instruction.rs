@@ -95,10 +95,7 @@ const INSTRUCTIONS: &[Instruction] = &[
 ];
 
 /// Instructions that plcc only has in SCL, LAD and FBD.
-#[rustfmt::skip]
-const ELSEWHERE: &[&str] = &[
-    "DEMUX", "EXPT", "FILL_BLK", "GATHER", "GATHER_BLK", "MOVE_BLK", "SCATTER", "SCATTER_BLK", "UFILL_BLK", "UMOVE_BLK",
-];
+const ELSEWHERE: &[&str] = &["DEMUX", "EXPT"];
 
 /// The types for which an instruction is called.
 #[derive(Clone, Copy, Debug)]

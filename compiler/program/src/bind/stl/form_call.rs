@@ -1,12 +1,12 @@
-//! `CALL T_ADD`, `CALL S_CONV` and other instructions of the TIA Portal each of whose pins has the type of its actual parameter.
+//! `CALL T_ADD`, `CALL MOVE_BLK` and other instructions of the TIA Portal each of whose pins has the type of its actual parameter.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, OperandKind, PathRoot, Width};
+use plcc_syntax::ast::{self, Bound, OperandKind, Path, PathPart, PathRoot, Width};
 use plcc_syntax::literal::Literal;
 
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::path::type_of_width;
-use crate::bind::globals::form::{Computation, Form, PinOfCall, PinType, relation};
+use crate::bind::globals::form::{Computation, Form, PinOfCall, PinType, index_name, relation};
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::move_call::called_name;
 use crate::bind::stl::settle::Settled;
@@ -24,6 +24,16 @@ enum Told {
     Constant(&'static str),
     /// A constant that fits several types, with the type that it has if nothing else tells one.
     Fitting(Option<&'static str>),
+    Elements(Box<Elements>),
+}
+
+/// An element of an array, as the array and the index. Types are as declarations write them.
+struct Elements {
+    array: ast::Operand,
+    array_type: String,
+    element_type: String,
+    index: ast::Operand,
+    index_type: String,
 }
 
 impl StlBinder<'_, '_> {
@@ -37,7 +47,7 @@ impl StlBinder<'_, '_> {
     /// Binds a call of an instruction as one of a function for the types of its actual parameters; `None` after a message.
     pub fn bind_form(&mut self, ctx: &mut CurrentBlock, call: &ast::Call, form: &'static Form) -> Option<Call> {
         let span = call.target.span;
-        let (named, call) = without_types(form, call);
+        let (named, mut call) = without_types(form, call);
         if !self.has_instructions(form.name, span) || !self.supplies_pins(form, &call) {
             self.note_names(ctx, &call);
             return None;
@@ -46,7 +56,7 @@ impl StlBinder<'_, '_> {
             Computation::Comparison => self.named_relation(form, &named, span),
             Computation::Value | Computation::Output | Computation::Conversion | Computation::Rounding => Some(""),
         };
-        let pins = self.pins_of_call(ctx, &call, form, &named)?;
+        let pins = self.pins_of_call(ctx, &mut call, form, &named)?;
         let key = self.program.globals.write_function(form.name, form.function(&pins, operator?), span);
         let bound = self.program.interface(key, span)?;
         let mut arguments = self.call_arguments(ctx, &call, key, &bound)?;
@@ -105,11 +115,11 @@ impl StlBinder<'_, '_> {
         operator
     }
 
-    /// The pins with their types; `None` after a message.
+    /// The pins with their types, after which the call passes arrays with indices instead of elements; `None` after a message.
     fn pins_of_call(
         &mut self,
         ctx: &mut CurrentBlock,
-        call: &ast::Call,
+        call: &mut ast::Call,
         form: &'static Form,
         named: &[(String, String)],
     ) -> Option<Vec<PinOfCall>> {
@@ -119,18 +129,12 @@ impl StlBinder<'_, '_> {
             let actual = actual.and_then(|given| given.actual.as_ref()).expect("the call supplies each pin");
             told.push(match pin.ty {
                 PinType::Fixed(ty) => Some(Told::Type(ty.name().to_owned())),
-                PinType::Actual(_) => self.told_by(ctx, form, actual),
+                PinType::Actual(_) | PinType::Count => self.told_by(ctx, form, actual),
+                PinType::Elements(_) => self.elements(ctx, actual).map(|elements| Told::Elements(Box::new(elements))),
             });
         }
         let told: Vec<Told> = told.into_iter().collect::<Option<_>>()?;
-        let words: Vec<Option<&str>> = form
-            .pins
-            .iter()
-            .map(|pin| match pin.ty {
-                PinType::Fixed(_) => None,
-                PinType::Actual(word) => Some(word),
-            })
-            .collect();
+        let words: Vec<Option<&str>> = form.pins.iter().map(|pin| pin.ty.word()).collect();
         let mut pins = Vec::with_capacity(told.len());
         for (pin, (one, word)) in form.pins.iter().zip(told.iter().zip(&words)) {
             let of_call = || named_type(named, &words, (*word)?);
@@ -139,8 +143,13 @@ impl StlBinder<'_, '_> {
                 others.find_map(|(other, _)| match other {
                     Told::Type(ty) => Some(ty.clone()),
                     Told::Constant(ty) => Some((*ty).to_owned()),
+                    Told::Elements(elements) => Some(elements.element_type.clone()),
                     Told::Width(_) | Told::Fitting(_) => None,
                 })
+            };
+            let usual = match pin.ty {
+                PinType::Count => Some("UDINT"),
+                PinType::Fixed(_) | PinType::Actual(_) | PinType::Elements(_) => None,
             };
             let ty = match one {
                 Told::Type(ty) => Some(ty.clone()),
@@ -148,15 +157,82 @@ impl StlBinder<'_, '_> {
                 Told::Width(width) => {
                     of_call().or_else(of_others).or_else(|| Some(type_of_width(*width).name().to_owned()))
                 }
-                Told::Fitting(ty) => of_call().or_else(of_others).or_else(|| ty.map(str::to_owned)),
+                Told::Fitting(ty) => of_call().or_else(of_others).or_else(|| usual.or(*ty).map(str::to_owned)),
+                Told::Elements(elements) => Some(elements.array_type.clone()),
             };
             let Some(ty) = ty else {
                 let word = word.map_or_else(String::new, |word| format!("{word}_type"));
                 return self.no_type(form.name, &word, call.target.span);
             };
-            pins.push(PinOfCall { pin, ty });
+            let index = match one {
+                Told::Elements(elements) => Some(elements.index_type.clone()),
+                Told::Type(_) | Told::Constant(_) | Told::Width(_) | Told::Fitting(_) => None,
+            };
+            pins.push(PinOfCall { pin, ty, index });
+        }
+        for (pin, one) in form.pins.iter().zip(told) {
+            let Told::Elements(elements) = one else { continue };
+            let mut span = None;
+            for given in call.parameters.iter_mut().filter(|given| is_named(given, pin.name)) {
+                given.actual = Some(elements.array.clone());
+                span = Some(given.name_span);
+            }
+            let (name, actual) = (index_name(pin), Some(elements.index));
+            call.parameters.extend(span.map(|name_span| ast::Parameter { name, name_span, actual }));
         }
         Some(pins)
+    }
+
+    /// An actual parameter that is an element of an array; `None` after a message.
+    fn elements(&mut self, ctx: &mut CurrentBlock, actual: &ast::Operand) -> Option<Elements> {
+        // Reports an index that is not possible, too.
+        self.settle(ctx, actual)?;
+        match array_and_index(actual) {
+            Some((array, index)) => match (self.array_type(ctx, &array), self.index_type(ctx, &index)) {
+                (Some((array_type, element_type)), Some(index_type)) => {
+                    Some(Elements { array, array_type, element_type, index, index_type })
+                }
+                _ => self.no_element(actual.span),
+            },
+            None => self.no_element(actual.span),
+        }
+    }
+
+    /// The type of an array of one dimension, and that of its elements.
+    fn array_type(&mut self, ctx: &mut CurrentBlock, array: &ast::Operand) -> Option<(String, String)> {
+        let Settled::Complex { ty, .. } = self.settle(ctx, array)? else { return None };
+        let DataType::Array(array) = &ty else { return None };
+        match array.bounds.len() {
+            1 => Some((declared(&ty)?, declared(&array.element)?)),
+            _ => None,
+        }
+    }
+
+    fn index_type(&mut self, ctx: &mut CurrentBlock, index: &ast::Operand) -> Option<String> {
+        let constant = self.constant_operand(ctx, index);
+        match self.settle(ctx, constant.as_ref().unwrap_or(index))? {
+            Settled::Literal(_) => Some(Elementary::Dint.name().to_owned()),
+            Settled::Memory { ty, width, .. } => Some(ty.unwrap_or(type_of_width(width)).name().to_owned()),
+            Settled::Complex { .. }
+            | Settled::Cell { .. }
+            | Settled::Block { .. }
+            | Settled::Pointer(_)
+            | Settled::ParameterPointer(_)
+            | Settled::Status(_)
+            | Settled::Special(_)
+            | Settled::Register(_)
+            | Settled::Label => None,
+        }
+    }
+
+    fn no_element<T>(&mut self, span: Span) -> Option<T> {
+        let text = self.program.globals.text(span);
+        self.program.report(
+            Diagnostic::new(Code::OperandKind, span, format!("`{text}` is not an element of an array"))
+                .label("the first element is expected here")
+                .help("name an element of an array of one dimension whose type has a name, for example `#data[0]`"),
+        );
+        None
     }
 
     /// What an actual parameter tells about its type; `None` after a message.
@@ -212,7 +288,7 @@ fn is_named(parameter: &ast::Parameter, name: &str) -> bool {
 fn word_of(parameter: &ast::Parameter) -> Option<&str> {
     let OperandKind::Path(path) = &parameter.actual.as_ref()?.kind else { return None };
     match &path.root {
-        PathRoot::Bare { name, .. } if path.parts.is_empty() => Some(name.as_str()),
+        PathRoot::Bare { name, .. } | PathRoot::Quoted { name, .. } if path.parts.is_empty() => Some(name.as_str()),
         PathRoot::Bare { .. } | PathRoot::Local { .. } | PathRoot::Quoted { .. } | PathRoot::Block(_) => None,
     }
 }
@@ -257,8 +333,36 @@ fn declared(ty: &DataType) -> Option<String> {
             let is_value = structure.instance_of.is_none() && structure.refers_to.is_none();
             (is_value && !structure.name.is_empty()).then(|| format!("\"{}\"", structure.name))
         }
-        DataType::Array(_) | DataType::OpenArray(_) | DataType::Parameter(_) | DataType::Void => None,
+        DataType::Array(array) => {
+            let bounds: Vec<String> = array.bounds.iter().map(|(low, high)| format!("{low}..{high}")).collect();
+            let element = match &array.element {
+                // The length of a text is part of the type of an array.
+                text @ DataType::String(_) => layout::type_name(text),
+                element => declared(element)?,
+            };
+            Some(format!("ARRAY[{}] OF {element}", bounds.join(",")))
+        }
+        DataType::OpenArray(_) | DataType::Parameter(_) | DataType::Void => None,
     }
+}
+
+/// The array and the index of `#data[3]`; none: the operand is something else.
+fn array_and_index(operand: &ast::Operand) -> Option<(ast::Operand, ast::Operand)> {
+    let OperandKind::Path(path) = &operand.kind else { return None };
+    let (PathPart::Index { values, .. }, before) = path.parts.split_last()? else { return None };
+    let [value] = values.as_slice() else { return None };
+    let (kind, span) = match value {
+        Bound::Number(number, span) => (OperandKind::Literal(Literal::Int(*number)), *span),
+        Bound::Name(name, span) => {
+            let root = PathRoot::Bare { name: name.clone(), span: *span };
+            (OperandKind::Path(Path { root, parts: Vec::new(), span: *span }), *span)
+        }
+        Bound::Path(path) => (OperandKind::Path((**path).clone()), path.span),
+        Bound::Expr(_) => return None,
+    };
+    let array = Path { root: path.root.clone(), parts: before.to_vec(), span: path.span };
+    let array = ast::Operand { kind: OperandKind::Path(array), span: operand.span };
+    Some((array, ast::Operand { kind, span }))
 }
 
 /// What the notation of a constant tells about its type; none: it is a pointer.
