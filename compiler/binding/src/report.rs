@@ -205,6 +205,13 @@ impl Report {
         true
     }
 
+    /// The same without elements of networks that text languages write in another way.
+    pub fn missing_in_catalogue(&mut self, name: &str, span: Span) -> bool {
+        let Some(message) = catalogued_instruction(name, span) else { return false };
+        self.missing(MissingKey::Symbol(fold(name)), span, || message);
+        true
+    }
+
     /// A function of SCL whose name means nothing, or that plcc does not have.
     pub fn missing_function(&mut self, name: &str, span: Span, meant: Option<String>, known: bool) {
         self.missing(MissingKey::Symbol(fold(name)), span, || match known {
@@ -477,6 +484,11 @@ fn absent_instruction(name: &str, span: Span) -> Option<Diagnostic> {
         let title = format!("`{name}` is an instruction of LAD and FBD, not of text languages");
         return Some(Diagnostic::new(Code::NotShipped, span, title).label("an element of networks").help(*help));
     }
+    catalogued_instruction(name, span)
+}
+
+/// The message for a name that a catalogue of STEP 7 or the TIA Portal has; none: no catalogue has it.
+fn catalogued_instruction(name: &str, span: Span) -> Option<Diagnostic> {
     let known = plcc_stdlib::catalogued(name);
     let title = match known {
         Some((group, written)) => format!("`{written}` is an instruction of {} that plcc does not have", group.tool),

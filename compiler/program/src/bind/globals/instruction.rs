@@ -94,8 +94,19 @@ const INSTRUCTIONS: &[Instruction] = &[
     },
 ];
 
-/// Instructions that plcc only has in SCL, LAD and FBD.
-const ELSEWHERE: &[&str] = &["DEMUX", "EXPT"];
+const NETWORKS: &str = "LAD and FBD";
+const SCL: &str = "SCL";
+const BOTH: &str = "SCL, LAD and FBD";
+
+/// Instructions that plcc only has in other languages, and in which.
+#[rustfmt::skip]
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("CountOfElements", BOTH), ("DEMUX", BOTH), ("EXPT", BOTH), ("IS_ARRAY", BOTH), ("LOWER_BOUND", BOTH), ("UPPER_BOUND", BOTH),
+    ("EQ_ElemType", NETWORKS), ("EQ_Type", NETWORKS), ("IS_NULL", NETWORKS), ("NE_ElemType", NETWORKS), ("NE_Type", NETWORKS),
+    ("NOT_NULL", NETWORKS), ("GetBlockName", SCL), ("GetInstanceName", SCL), ("GetInstancePath", SCL), ("PEEK", SCL),
+    ("PEEK_BOOL", SCL), ("POKE", SCL), ("POKE_BLK", SCL), ("POKE_BOOL", SCL), ("PRESET_TIMER", SCL), ("RESET_TIMER", SCL),
+    ("TypeOf", SCL), ("TypeOfElements", SCL),
+];
 
 /// The types for which an instruction is called.
 #[derive(Clone, Copy, Debug)]
@@ -183,14 +194,17 @@ impl Instruction {
 }
 
 impl Globals<'_> {
-    /// Reports a call in STL of an instruction that plcc only has in other languages; false: it is something else.
+    /// Reports a call in STL of an instruction that plcc does not have, or only in other languages; false: it is something else.
     pub fn missing_in_stl(&mut self, name: &str, span: Span) -> bool {
-        if self.global(name).is_some() || !ELSEWHERE.iter().any(|known| known.eq_ignore_ascii_case(name.trim())) {
+        if self.global(name).is_some() {
             return false;
         }
+        let Some((_, languages)) = ELSEWHERE.iter().find(|(known, _)| known.eq_ignore_ascii_case(name.trim())) else {
+            return self.missing_in_catalogue(name, span);
+        };
         self.report.missing(MissingKey::Symbol(fold(name)), span, || {
             Diagnostic::new(Code::NotShipped, span, format!("plcc cannot call the instruction `{name}` from STL"))
-                .label("plcc has it in SCL, LAD and FBD")
+                .label(format!("plcc has it in {languages}"))
                 .help("write a function in SCL that computes it, and call that function")
         });
         true

@@ -126,6 +126,12 @@ impl Globals<'_> {
         !own && self.report.missing_instruction(name, span)
     }
 
+    /// The same without elements of networks that text languages write in another way.
+    pub fn missing_in_catalogue(&mut self, name: &str, span: Span) -> bool {
+        let own = self.known_block(name).is_some() || self.names.symbols.contains_key(&fold(name));
+        !own && self.report.missing_in_catalogue(name, span)
+    }
+
     /// A block of the libraries of which plcc only knows name and number.
     fn known_block(&self, name: &str) -> Option<&'static plcc_stdlib::LibraryBlock> {
         let folded = fold(name);

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, BlockPrefix, OperandKind};
+use plcc_syntax::ast::{self, BlockPrefix, OperandKind, Path, PathRoot};
 use plcc_syntax::count::counted;
 use rustc_hash::FxHashMap;
 
@@ -14,7 +14,7 @@ use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::instance::{instance_key, named_instance};
-use crate::bind::stl::move_call::{called_name, names_a_type};
+use crate::bind::stl::move_call::names_a_type;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::fold;
 use plcc_model::types::DataType;
@@ -22,7 +22,7 @@ use plcc_model::{Actual, Argument, BlockKey, Call, Direction, Instance, Number, 
 
 impl StlBinder<'_, '_> {
     pub fn bind_call(&mut self, ctx: &mut CurrentBlock, call: &ast::Call, span: Span) -> Option<Call> {
-        if let Some(form) = self.called_form(call) {
+        if let Some(form) = self.called_form(ctx, call) {
             return self.bind_form(ctx, call, form);
         }
         let Some((key, own, bound)) = self.call_target(ctx, call) else {
@@ -59,7 +59,7 @@ impl StlBinder<'_, '_> {
             let key = self.instruction_function(ctx, call, instruction)?;
             return Some((key, None, self.program.interface(key, span)?));
         }
-        if called_name(call).is_some_and(|name| self.program.globals.missing_in_stl(name, span)) {
+        if instruction_name(ctx, call).is_some_and(|name| self.program.globals.missing_in_stl(name, span)) {
             return None;
         }
         if let (OperandKind::Path(path), None) = (&call.target.kind, &call.instance)
@@ -268,6 +268,15 @@ impl StlBinder<'_, '_> {
             }
         }
     }
+}
+
+/// The name by which a call may mean an instruction: without quotes, and not that of an instance in the block itself.
+fn instruction_name<'c>(ctx: &CurrentBlock, call: &'c ast::Call) -> Option<&'c str> {
+    let OperandKind::Path(Path { root: PathRoot::Bare { name, .. }, parts, .. }) = &call.target.kind else {
+        return None;
+    };
+    let own = call.instance.is_none() && ctx.bound.locals.contains_key(&fold(name));
+    (parts.is_empty() && !own).then_some(name.as_str())
 }
 
 /// Memory that addresses name directly, to compare places.

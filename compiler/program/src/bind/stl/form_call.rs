@@ -38,10 +38,13 @@ struct Elements {
 
 impl StlBinder<'_, '_> {
     /// The instruction with types of its actual parameters that a call means; none: it means something else.
-    pub fn called_form(&self, call: &ast::Call) -> Option<&'static Form> {
+    pub fn called_form(&self, ctx: &CurrentBlock, call: &ast::Call) -> Option<&'static Form> {
         let name = called_name(call)?;
         let form = Form::find(name)?;
-        self.program.globals.global(name).is_none().then_some(form)
+        // `CALL swap` with a variable of that name calls the instance.
+        let is_own = matches!(&call.target.kind, OperandKind::Path(path) if matches!(path.root, PathRoot::Bare { .. }))
+            && ctx.bound.locals.contains_key(&fold(name));
+        (!is_own && self.program.globals.global(name).is_none()).then_some(form)
     }
 
     /// Binds a call of an instruction as one of a function for the types of its actual parameters; `None` after a message.
