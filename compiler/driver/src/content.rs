@@ -262,6 +262,7 @@ mod tests {
         assert_eq!(of("<?xml version=\"1.0\"?>\n<Document/>"), Content::Other("XML that is not an export of blocks"));
         assert_eq!(of("<Document><SW.Blocks.FC ID=\"0\"/></Document>"), Content::Source);
         assert_eq!(of("<Document><SW.Tags.PlcTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
+        assert_eq!(of("<Document><SW.ControllerTagTable ID=\"0\"/></Document>"), Content::SymbolTable);
         let object = "<Document><SW.TechnologicalObjects.TechnologicalInstanceDB ID=\"0\"/></Document>";
         assert_eq!(of(object), Content::Other(TECHNOLOGY_OBJECT));
         assert_eq!(of("<Tagtable name='t'><Tag addr='%I0.0'>a</Tag></Tagtable>"), Content::SymbolTable);

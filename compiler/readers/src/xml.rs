@@ -62,7 +62,7 @@ fn contents(root: Node) -> Contents {
     let mut contents = Contents::default();
     for node in objects(root) {
         match node.tag_name().name() {
-            "SW.Tags.PlcTagTable" => contents.tags = true,
+            name if is_exported_tags(name) => contents.tags = true,
             name if is_block(name) => contents.blocks = true,
             name => {
                 contents.other.get_or_insert_with(|| name.to_string());
@@ -76,6 +76,11 @@ fn contents(root: Node) -> Contents {
 pub fn is_block(name: &str) -> bool {
     name.starts_with("SW.Blocks.") && name != "SW.Blocks.CompileUnit" && !name.ends_with("Group")
         || name == "SW.Types.PlcStruct"
+}
+
+/// Whether an element of that name is a tag table of an export; V13 of the TIA Portal has the second name.
+pub fn is_exported_tags(name: &str) -> bool {
+    matches!(name, "SW.Tags.PlcTagTable" | "SW.ControllerTagTable")
 }
 
 /// The objects that plcc reads.
@@ -141,7 +146,7 @@ pub fn objects<'a, 'i>(root: Node<'a, 'i>) -> Vec<Node<'a, 'i>> {
 pub fn tag_tables(text: &str) -> Option<String> {
     let Some(XmlKind::SimaticMl(Contents { blocks: true, tags: true, .. })) = kind(text) else { return None };
     let document = parse(text).ok()?;
-    let tables = objects(document.root_element()).into_iter().filter(|node| is(*node, "SW.Tags.PlcTagTable"));
+    let tables = objects(document.root_element()).into_iter().filter(|node| is_exported_tags(node.tag_name().name()));
     let tables: Vec<&str> = tables.filter_map(|table| text.get(table.range())).collect();
     let head = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Document>\n  <Engineering version=\"V17\"/>";
     Some(format!("{head}\n  {}\n</Document>\n", tables.join("\n  ")))

@@ -76,7 +76,7 @@ pub fn parse(file: FileId, text: &str, kind: &XmlKind, options: &ReadOptions) ->
     for object in objects(root) {
         match object.tag_name().name() {
             // The reader of symbol tables has these.
-            "SW.Tags.PlcTagTable" => {}
+            name if xml::is_exported_tags(name) => {}
             name if xml::is_block(name) => blocks.extend(block::read(&mut reader, object)),
             name if xml::is_fragment(name) => {
                 let span = reader.span(head(object));

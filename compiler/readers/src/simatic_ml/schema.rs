@@ -150,7 +150,7 @@ fn parts(node: Node) -> Option<Parts> {
     let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
     let children = match name {
         _ if node.attribute("Informative").is_some_and(|value| value.eq_ignore_ascii_case("true")) => return None,
-        "SW.Tags.PlcTagTable" => return None,
+        _ if xml::is_exported_tags(name) => return None,
         _ if xml::is_block(name) || name == "SW.Blocks.CompileUnit" => {
             Names::Words("AttributeList LinkList ObjectList")
         }

@@ -1,5 +1,5 @@
-//! Tag tables of the TIA Portal in XML: exports (`SW.Tags.PlcTagTable`) with their tags and constants, and what the editor writes
-//! (`Tagtable`).
+//! Tag tables of the TIA Portal in XML: exports (`SW.Tags.PlcTagTable`, of V13 `SW.ControllerTagTable`) with their tags and constants,
+//! and what the editor writes (`Tagtable`).
 //!
 //! Source: LAD/FBD reference A.10.
 
@@ -29,7 +29,7 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
             let objects = xml::objects(root);
             objects
                 .into_iter()
-                .filter(|object| xml::is(*object, "SW.Tags.PlcTagTable"))
+                .filter(|object| xml::is_exported_tags(object.tag_name().name()))
                 .for_each(|table| reader.table(table));
         }
         Err(error) => diagnostics.push(xml::broken(file, text, &error)),
@@ -44,17 +44,25 @@ fn parts(node: Node) -> Option<Parts> {
     let parent = node.parent_element().map_or("", |parent| parent.tag_name().name());
     let children = match node.tag_name().name() {
         name if xml::is_block(name) => return None,
-        name if name.starts_with("SW.Tags.") => "AttributeList LinkList ObjectList",
+        name if is_part(name) => "AttributeList LinkList ObjectList",
         "ObjectList" if parent == "SW.Tags.PlcTagTable" => {
             "SW.Tags.PlcTag SW.Tags.PlcUserConstant SW.Tags.PlcSystemConstant MultilingualText"
         }
-        "AttributeList" if parent == "SW.Tags.PlcTag" => {
+        "ObjectList" if parent == "SW.ControllerTagTable" => {
+            "SW.ControllerTag SW.ControllerUserConstant SW.ControllerSystemConstant MultilingualText"
+        }
+        "AttributeList" if matches!(parent, "SW.Tags.PlcTag" | "SW.ControllerTag") => {
             "DataTypeName LogicalAddress Name ExternalAccessible ExternalVisible ExternalWritable"
         }
-        "AttributeList" if parent.starts_with("SW.Tags.") => "DataTypeName Name Value",
+        "AttributeList" if is_part(parent) => "DataTypeName Name Value",
         _ => "",
     };
     Some(Parts { attributes: Names::Words(""), children: Names::Words(children) })
+}
+
+/// Whether an element of that name is a table, a tag or a constant of an export.
+fn is_part(name: &str) -> bool {
+    name.starts_with("SW.Tags.") || name.starts_with("SW.Controller")
 }
 
 struct Reader<'a> {
@@ -68,11 +76,13 @@ impl Reader<'_> {
     fn table(&mut self, table: Node) {
         for row in child(table, "ObjectList").into_iter().flat_map(elements) {
             match row.tag_name().name() {
-                "SW.Tags.PlcTag" => self.tag(row),
-                "SW.Tags.PlcUserConstant" => self.constant(row),
+                "SW.Tags.PlcTag" | "SW.ControllerTag" => self.tag(row),
+                "SW.Tags.PlcUserConstant" | "SW.ControllerUserConstant" => self.constant(row),
                 // Numbers of hardware; the station defines those of fast counters and pulse generators.
-                "SW.Tags.PlcSystemConstant" if !self.is_of_station(row) => self.constant(row),
-                "SW.Tags.PlcSystemConstant" | "MultilingualText" => {}
+                "SW.Tags.PlcSystemConstant" | "SW.ControllerSystemConstant" if !self.is_of_station(row) => {
+                    self.constant(row);
+                }
+                "SW.Tags.PlcSystemConstant" | "SW.ControllerSystemConstant" | "MultilingualText" => {}
                 other => {
                     let span = Span::new(self.file, head(row));
                     self.bad(span, format!("`{other}` is neither a tag nor a constant"));
@@ -271,6 +281,15 @@ mod tests {
         assert_eq!((lamp.name.as_str(), lamp.comment.as_str()), ("Lamp & horn", "green"));
         assert_eq!((table.symbols.len(), table.constants.len(), messages.len()), (2, 1, 1));
         assert_eq!(text::expr(&table.constants[0].value), "12");
+    }
+
+    #[test]
+    fn tables_of_v13_have_other_names() {
+        let text = TABLE.replace("SW.Tags.PlcTag", "SW.ControllerTag").replace("SW.Tags.Plc", "SW.Controller");
+        let (table, messages) = super::super::parse(plcc_diag::FileId(0), &SourceFile::new("tags.xml", text));
+        let names: Vec<&str> = table.symbols.iter().map(|symbol| symbol.name.as_str()).collect();
+        assert_eq!(names, ["Лампа 1/2", "Level"]);
+        assert_eq!((table.constants.len(), messages.len()), (2, 1));
     }
 
     #[test]
