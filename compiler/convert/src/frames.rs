@@ -1,19 +1,18 @@
 //! Frames of blocks, their headers and declarations, which STL and SCL share.
 
+mod values;
+
 use plcc_diag::Span;
-use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header,
-    InitialKind, InitialValue, Retain, Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+    Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header, Retain,
+    Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
 };
 
-use crate::operand;
 use crate::scl::expression;
 use crate::sd::attributes::in_braces;
-use crate::to_stl::types::elementary;
 use crate::writer::{Notation, Writer};
 use crate::xml::cased;
-use crate::{literal, names};
+use crate::{names, operand};
 
 impl Writer<'_> {
     /// The frame of a block with code; `body` writes its statements.
@@ -55,16 +54,17 @@ impl Writer<'_> {
     }
 
     pub(crate) fn data_block(&mut self, block: &DataBlock) {
+        let (content, values) = self.declared_content(&block.content);
         let name = self.block_name(&block.name);
         self.remarks_before(block.span.start);
         self.out.line(format!("DATA_BLOCK {name}"));
-        let start = match &block.content {
+        let start = match &content {
             DataContent::Struct(members) => members.first().map(|member| member.name_span.start),
             DataContent::OfType(ty) | DataContent::Array(ty, _) => Some(ty.span.start),
             DataContent::Empty => None,
         };
         self.header(&block.header, Some(&block.name), start);
-        match &block.content {
+        match &content {
             DataContent::Struct(members) if block.retained.is_empty() => {
                 self.out.line("STRUCT");
                 self.variables(members);
@@ -77,7 +77,8 @@ impl Writer<'_> {
             }
             DataContent::Array(ty, initial) => {
                 self.needs_scl(ty.span, "a data block that is an array");
-                let initial = initial.as_ref().map_or(String::new(), |value| format!(" := {}", self.initial(value)));
+                let initial =
+                    initial.as_ref().map_or(String::new(), |value| format!(" := {}", self.initial_of(value, ty)));
                 let ty = self.type_text(ty);
                 self.out.line(format!("{ty}{initial}"));
             }
@@ -85,6 +86,7 @@ impl Writer<'_> {
         }
         self.out.line("BEGIN");
         self.out.indent();
+        self.assignments(&values);
         for value in &block.values {
             self.value(value);
         }
@@ -457,84 +459,6 @@ impl Writer<'_> {
         }
     }
 
-    /// The start value of a variable. Text has those of an array as a list from its first element on, XML those of single elements.
-    fn initial_of(&mut self, value: &InitialValue, ty: &TypeRef) -> String {
-        let (InitialKind::Elements(elements), TypeKind::Array { bounds, element }) = (&value.kind, &ty.kind) else {
-            return self.initial(value);
-        };
-        // STL has lists of constants only.
-        let is_stl = self.notation == Notation::Stl;
-        if is_stl && !matches!(element.kind, TypeKind::Named(_) | TypeKind::String(_)) {
-            return self.initial(value);
-        }
-        let list = places(elements, bounds).and_then(|places| {
-            let texts = places.into_iter().map(|place| match place {
-                Some(value) => Some(self.initial_of(value, element)),
-                None => default_text(element, is_stl).map(str::to_string),
-            });
-            texts.collect::<Option<Vec<String>>>()
-        });
-        let Some(list) = list else {
-            let title = "a declaration has no start values of single elements of this array";
-            self.refuse(value.span, title, "give all elements before them a value, too");
-            return String::new();
-        };
-        let runs = list.chunk_by(|a, b| a == b).map(|run| match run {
-            [one] => one.clone(),
-            // Lists in lists are not repeated.
-            several if several[0].starts_with(['[', '(']) => several.join(", "),
-            several => format!("{}({})", several.len(), several[0]),
-        });
-        let list = runs.collect::<Vec<_>>().join(", ");
-        if is_stl { list } else { format!("[{list}]") }
-    }
-
-    pub(crate) fn initial(&mut self, value: &InitialValue) -> String {
-        match &value.kind {
-            InitialKind::Literal(constant) => self.slice(value.span, constant),
-            InitialKind::List(values) => {
-                let list = self.initials(values);
-                if self.notation == Notation::Stl { list } else { format!("[{list}]") }
-            }
-            InitialKind::Repeat { count, values } => format!("{}({})", self.bound(count), self.initials(values)),
-            InitialKind::Expr(constant) => match (self.notation, operand::constant(constant)) {
-                (Notation::Stl, Some(constant)) => literal::stl(&constant, self.mnemonics),
-                (Notation::Stl, None) => {
-                    self.needs_scl(value.span, "an expression as an initial value");
-                    String::new()
-                }
-                (Notation::Scl | Notation::Sd | Notation::Gr7 | Notation::St, _) => expression::text(constant, self),
-            },
-            InitialKind::Elements(elements) => {
-                self.needs_scl(value.span, "initial values of single elements");
-                let one = |(path, value): &(Vec<i64>, InitialValue), writer: &mut Self| {
-                    let path: Vec<String> = path.iter().map(i64::to_string).collect();
-                    format!("[{}] := {}", path.join(", "), writer.initial(value))
-                };
-                let list: Vec<String> = elements.iter().map(|element| one(element, self)).collect();
-                format!("({})", list.join(", "))
-            }
-            InitialKind::Fields(fields) => {
-                self.needs_scl(value.span, "initial values of a structure");
-                let list: Vec<String> = fields
-                    .iter()
-                    .map(|(name, value)| match name {
-                        Some(name) => format!("{} := {}", names::declared(&name.text), self.initial(value)),
-                        None => self.initial(value),
-                    })
-                    .collect();
-                format!("({})", list.join(", "))
-            }
-            InitialKind::Operand(kind) => operand::text(kind, value.span, self),
-            InitialKind::Default => String::new(),
-        }
-    }
-
-    fn initials(&mut self, values: &[InitialValue]) -> String {
-        let list: Vec<String> = values.iter().map(|value| self.initial(value)).collect();
-        list.join(", ")
-    }
-
     fn needs_scl(&mut self, span: Span, what: &str) {
         if self.notation == Notation::Stl {
             self.refuse(
@@ -619,58 +543,5 @@ pub(crate) fn is_implied(block: &Block) -> bool {
             BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span } if span.start == span.end
         ),
         Block::Data(_) | Block::Type(_) => false,
-    }
-}
-
-/// No array has more start values than this.
-const VALUES_MAX: usize = 100_000;
-
-/// The values of elements in the order of the array, up to the last one; `None`: they have no such order.
-fn places<'v>(
-    elements: &'v [(Vec<i64>, InitialValue)],
-    bounds: &[(Bound, Bound)],
-) -> Option<Vec<Option<&'v InitialValue>>> {
-    let mut found: Vec<Option<&InitialValue>> = Vec::new();
-    for (index, value) in elements {
-        if index.len() != bounds.len() {
-            return None;
-        }
-        let mut at: usize = 0;
-        for (index, bounds) in index.iter().zip(bounds) {
-            let (Bound::Number(low, _), Bound::Number(high, _)) = bounds else { return None };
-            if index < low || index > high {
-                return None;
-            }
-            let size = usize::try_from(high.checked_sub(*low)?).ok()?.checked_add(1)?;
-            at = at.checked_mul(size)?.checked_add(usize::try_from(index.checked_sub(*low)?).ok()?)?;
-        }
-        if at >= VALUES_MAX {
-            return None;
-        }
-        if found.len() <= at {
-            found.resize(at + 1, None);
-        }
-        found[at] = Some(value);
-    }
-    Some(found)
-}
-
-/// The value that an element without a start value has.
-fn default_text(ty: &TypeRef, is_stl: bool) -> Option<&'static str> {
-    match &ty.kind {
-        TypeKind::String(_) => Some("''"),
-        TypeKind::Named(word) => match elementary(word)? {
-            Elementary::Bool => Some("FALSE"),
-            Elementary::Byte if is_stl => Some("B#16#0"),
-            Elementary::Word if is_stl => Some("W#16#0"),
-            Elementary::Dword if is_stl => Some("DW#16#0"),
-            Elementary::Dint if is_stl => Some("L#0"),
-            Elementary::Real | Elementary::Lreal => Some("0.0"),
-            Elementary::Time => Some("T#0ms"),
-            Elementary::Byte | Elementary::Word | Elementary::Dword | Elementary::Lword => Some("16#0"),
-            ty if ty.is_integer() => Some("0"),
-            _ => None,
-        },
-        _ => None,
     }
 }

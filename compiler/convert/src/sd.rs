@@ -117,6 +117,7 @@ impl Writer<'_> {
     }
 
     fn sd_data(&mut self, block: &DataBlock, texts: &mut Texts) {
+        let (content, values) = self.declared_content(&block.content);
         let head_end = match &block.content {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => ty.span.end,
             DataContent::Struct(_) | DataContent::Empty => block.name.span().end,
@@ -125,7 +126,7 @@ impl Writer<'_> {
         self.remarks_before(block.span.start);
         self.sd_header(&block.header, block.span, &behind, texts);
         let name = self.document_name(&block.name);
-        match &block.content {
+        match &content {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => {
                 let ty = self.type_text(ty);
                 self.out.line(format!("DATA_BLOCK {name} : {ty}"));
@@ -147,11 +148,12 @@ impl Writer<'_> {
         // Documents need no BEGIN.
         let begins = match self.braces {
             Some(_) => self.trivia.word("BEGIN", head_end, block.span.end).is_some(),
-            None => !block.values.is_empty(),
+            None => !block.values.is_empty() || !values.is_empty(),
         };
         if begins {
             self.out.line("BEGIN");
         }
+        self.assignments(&values);
         block.values.iter().for_each(|value| self.value(value));
         self.remarks_before(block.span.end);
         self.out.line("END_DATA_BLOCK");

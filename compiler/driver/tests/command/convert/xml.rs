@@ -248,3 +248,39 @@ fn tags_among_exported_blocks_stay() {
         assert!(said.contains("3 passed, 0 failed"), "{to}: {said}");
     }
 }
+
+/// Start values of single elements, which exports have, follow BEGIN where a declaration does not have them.
+#[test]
+fn start_values_of_elements_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let data = "DATA_BLOCK \"Data\"\nVERSION : 0.1\nSTRUCT\n  a : ARRAY[1..3] OF STRUCT b : BOOL; w : WORD := W#16#1F; END_STRUCT;\n  \
+                m : ARRAY[0..3, 1..2] OF INT;\n  s : STRUCT\n    q : ARRAY[0..2] OF \"U\";\n  END_STRUCT;\n  p : \"U\";\n  big : REAL := 1.5;\n\
+                END_STRUCT;\nBEGIN\n  a[2].w := W#16#2F;\n  m[1,2] := 5;\n  s.q[1].\"IF\" := 7;\n  s.q[1].y[2] := 8;\n  p.\"IF\" := 6;\n\
+                END_DATA_BLOCK\nTYPE \"U\"\nVERSION : 0.1\nSTRUCT\n  \"IF\" : INT := 2;\n  y : ARRAY[0..3] OF INT;\nEND_STRUCT;\nEND_TYPE\n";
+    let main = "ORGANIZATION_BLOCK \"Main\"\nVERSION : 0.1\nVAR_TEMP\n  i : INT;\nEND_VAR\nBEGIN\n  //@ assert \"Data\".a[1].w == 16#1F\n  //@ assert \"Data\".a[2].w == 16#2F\n  \
+                //@ assert \"Data\".m[1,2] == 5\n  //@ assert \"Data\".s.q[0].y[2] == 0\n  //@ assert \"Data\".s.q[1].y[2] == 8\n  \
+                //@ assert \"Data\".p.y[0] == 0\n  //@ assert \"Data\".big == 1.5\n  \
+                #i := \"Data\".s.q[1].\"IF\" * 10 + \"Data\".p.\"IF\";\n  //@ assert #i == 76\nEND_ORGANIZATION_BLOCK\n";
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("a file");
+    write("data.scl", data);
+    write("main.scl", main);
+    let convert = |from: &str, to: &str, name: &str| {
+        let made = plcc(folder, &["convert", from, "--to", to, "--cpu", "s7-1500", "-o", name]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    };
+    convert("data.scl", "xml", "data.xml");
+    for (to, name) in [("scl", "again.scl"), ("sd", "again.s7dcl")] {
+        convert("data.xml", to, name);
+        let tested = plcc(folder, &["test", name, "main.scl", "--cpu", "s7-1500"]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        let document = fs::read_to_string(folder.join(name)).expect("it is written");
+        assert!(said.contains("8 passed, 0 failed"), "{said}{document}");
+    }
+    // STL has no start values of structures in declarations at all.
+    convert("data.xml", "stl", "again.stl");
+    let list = fs::read_to_string(folder.join("again.stl")).expect("it is written");
+    for found in ["    a[2].w := W#16#002F;\n", "    s.q[1].y[2] := 8;\n"] {
+        assert!(list.contains(found), "{found} in\n{list}");
+    }
+}
