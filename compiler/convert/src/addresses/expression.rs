@@ -192,13 +192,18 @@ impl Editor<'_> {
         }
         match self.to {
             To::Absolute => {
-                let Some(found) = self.names.target(&name.text) else { return };
+                // `"tag":P`
+                let (text, direct) = match names::without_periphery(&name.text) {
+                    Some(tag) if self.is_tia && name.form == NameForm::Quoted => (tag, ":P"),
+                    _ => (name.text.as_str(), ""),
+                };
+                let Some(found) = self.names.target(text) else { return };
                 match found.target {
                     SymbolTarget::Memory { area, width, byte, bit } => {
                         if !Self::is_natural(found.ty, width) {
                             return self.not_natural(span, &found.name);
                         }
-                        self.edit(span, self.memory(area, width, byte, bit));
+                        self.edit(span, self.memory(area, width, byte, bit) + direct);
                     }
                     SymbolTarget::Cell { kind, number } => {
                         let letter = if kind == CellKind::Timer { "T" } else { "C" };
@@ -224,11 +229,24 @@ impl Editor<'_> {
         if self.to == To::Absolute {
             return;
         }
-        let target = match operand {
+        let memory = |area, width: &Width, byte: &u32, bit: &u8| SymbolTarget::Memory {
+            area,
+            width: *width,
+            byte: *byte,
+            bit: *bit,
+        };
+        let (target, direct) = match operand {
             OperandKind::Absolute { area: area @ (Area::I | Area::Q | Area::M), width, byte, bit } => {
-                SymbolTarget::Memory { area: *area, width: *width, byte: *byte, bit: *bit }
+                (memory(*area, width, byte, bit), "")
             }
-            OperandKind::Cell { kind, number } => SymbolTarget::Cell { kind: *kind, number: *number },
+            // `%IW4:P`
+            OperandKind::Absolute { area: Area::Pi, width, byte, bit } if self.is_tia => {
+                (memory(Area::I, width, byte, bit), ":P")
+            }
+            OperandKind::Absolute { area: Area::Pq, width, byte, bit } if self.is_tia => {
+                (memory(Area::Q, width, byte, bit), ":P")
+            }
+            OperandKind::Cell { kind, number } => (SymbolTarget::Cell { kind: *kind, number: *number }, ""),
             OperandKind::DbAbsolute { db, width, byte, bit } => {
                 let Some(number) = self.names.db_number(db) else { return };
                 return self.component(number, (*width, *byte, *bit), span);
@@ -244,7 +262,7 @@ impl Editor<'_> {
         if self.is_hidden(&found.name, span) {
             return;
         }
-        self.edit(span, names::symbol(&found.name));
+        self.edit(span, names::symbol(&found.name) + direct);
     }
 
     /// Whether a variable of the block hides a symbol: then its address stays, with a warning.

@@ -50,6 +50,37 @@ fn symbols_become_addresses_and_addresses_symbols() {
     expect(&["convert", "press", "--symbolic"], "press.symbolic");
 }
 
+/// `"tag":P` is `%IW4:P`, in SCL and in networks.
+#[test]
+fn direct_accesses_become_addresses_and_symbols() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let symbols = "\"Tag\",\"I 0.1\",\"BOOL\",\"\"\n\"In\",\"IW 4\",\"WORD\",\"\"\n\"Out\",\"QW 4\",\"WORD\",\"\"\n\"Main\",\"OB 1\",\"OB 1\",\"\"\n";
+    let scl = "ORGANIZATION_BLOCK \"Main\"\nVERSION : 0.1\nVAR_TEMP\n  x : BOOL;\nEND_VAR\nBEGIN\n  #x := \"Tag\":P;\n  \
+               \"Out\":P := \"In\":P;\n  \"Out\" := \"In\";\nEND_ORGANIZATION_BLOCK\n";
+    let ladder = "FUNCTION G : Void\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  Contact( \"Tag\":P )  Coil( %M0.0 )  END_RUNG\n    END_NETWORK\nEND_FUNCTION\n";
+    let there = folder.join("there");
+    fs::create_dir(&there).expect("the folder can be written");
+    for (name, text) in [("a.scl", scl), ("b.s7dcl", ladder), ("t.sdf", symbols)] {
+        fs::write(there.join(name), text).expect("the folder can be written");
+    }
+    let convert = |from: &str, how: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, how, "--cpu", "s7-1500", "-o", to]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    };
+    let read = |name: &str| fs::read_to_string(folder.join(name)).expect("it is written");
+    convert("there", "--absolute", "absolute/");
+    assert!(
+        read("absolute/a.scl").contains("#x := %I0.1:P;\n  %QW4:P := %IW4:P;\n  %QW4 := %IW4;"),
+        "{}",
+        read("absolute/a.scl")
+    );
+    assert!(read("absolute/b.s7dcl").contains("Contact( %I0.1:P )"), "{}", read("absolute/b.s7dcl"));
+    convert("absolute", "--symbolic", "back/");
+    assert_eq!((read("back/a.scl").as_str(), read("back/b.s7dcl").as_str()), (scl, ladder));
+}
+
 #[test]
 fn reports_say_what_carries_over() {
     expect(&["convert", "press", "--report", "s7-1200"], "press.report");
