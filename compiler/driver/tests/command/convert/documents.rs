@@ -205,6 +205,12 @@ fn assertions_divide_networks() {
     let made = plcc(folder, &["convert", "c.stl", "--to", "fbd", "-o", "c.s7dcl"]);
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
     assert!(text(&made.stderr).contains("this assertion checks a register"), "{}", text(&made.stderr));
+    // Between networks no data block is open.
+    fs::write(folder.join("d.stl"), source.replace("MB 20 == B#16#06", "DBB 0 == 0"))
+        .expect("the folder can be written");
+    let made = plcc(folder, &["convert", "d.stl", "--to", "lad", "-o", "d.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(text(&made.stderr).contains("this assertion checks the data block that is open"), "{}", text(&made.stderr));
 }
 
 /// The forms in which a counter has its value, and a flip-flop its operand.
