@@ -6,12 +6,13 @@ use plcc_diag::Span;
 use plcc_syntax::ast::{
     Block, DataContent, InitialKind, InitialValue, Path, PathPart, PathRoot, TypeKind, TypeRef, Variable,
 };
+use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::{Elementary, Language, stl};
 
 use crate::chart;
 use crate::facts::same;
 use crate::index::{Declared, Entry, Index};
-use crate::words::{Words, bare};
+use crate::words::{Words, bare, is_name};
 
 /// What the first word of a path can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +66,9 @@ pub fn of(index: &Index, entry: Option<Entry>, words: &Words, at: usize) -> Role
     if !matches!(entry.block, Block::Code(_)) {
         return if is_target(entry, &range) { Role::Any } else { Role::Global };
     }
+    if matches!(words.language(at), Language::Scl | Language::Sd | Language::Graph) && is_keyword(words, at) {
+        return Role::Word;
+    }
     match words.language(at) {
         Language::Stl => {
             let begins = words.first_on_line(at) || matches!(words.word(at - 1), ";" | ":");
@@ -80,6 +84,37 @@ pub fn of(index: &Index, entry: Option<Entry>, words: &Words, at: usize) -> Role
         Language::Graph if chart::is_qualifier(entry, &range) => Role::Word,
         Language::Scl | Language::Sd | Language::Graph | Language::S7200 => Role::Any,
     }
+}
+
+/// Whether a piece in SCL is a word of the language, also beside a variable with this name: `IF`, `1 TO 5`, `NOT a`. Words of declarations
+/// are names among statements.
+fn is_keyword(words: &Words, at: usize) -> bool {
+    let Some(keyword) = Keyword::from_word(words.word(at)) else { return false };
+    let next = words.word(at + 1);
+    match keyword {
+        Keyword::To | Keyword::By | Keyword::Of | Keyword::Do => at > 0 && ends_value(words.word(at - 1)),
+        Keyword::Not => {
+            is_name(next) || next.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '(' | '%' | '\''))
+        }
+        Keyword::Ref => next == "(",
+        keyword => !matches!(
+            keyword,
+            Keyword::Array
+                | Keyword::At
+                | Keyword::Program
+                | Keyword::RefTo
+                | Keyword::String
+                | Keyword::Struct
+                | Keyword::Type
+                | Keyword::Wstring
+        ),
+    }
+}
+
+/// Whether a value may end with a piece.
+fn ends_value(word: &str) -> bool {
+    let is_value = Keyword::from_word(word).is_none_or(|word| matches!(word, Keyword::True | Keyword::False));
+    is_value && word.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '"' | '\'' | ')' | ']' | '^'))
 }
 
 /// Whether a word before `:=` or `=>` is the name of a parameter in a call.

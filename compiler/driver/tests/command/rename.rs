@@ -123,3 +123,19 @@ fn steps_and_transitions_have_names() {
         assert!(wrong.contains(why), "{to}: {wrong}");
     }
 }
+
+/// `IF` of a statement is not the variable `"IF"`.
+#[test]
+fn words_of_the_language_stay() {
+    let mut editor = Editor::new("words");
+    editor.open("words.scl");
+    assert_eq!(editor.messages("words.scl"), Vec::<String>::new());
+    for (piece, to, edits) in [
+        ("\"I|F\" : Int", "limit", &["04 \"limit\"", "13 #\"limit\"", "26 \"limit\""][..]),
+        ("\"t|o\" : Int", "last", &["05 \"last\"", "14 #\"last\"", "15 last", "26 \"last\""]),
+        ("\"no|t\" : Bool", "off", &["06 \"off\"", "13 #\"off\"", "26 \"off\""]),
+    ] {
+        let edits = edits.iter().map(|edit| format!("words.scl:{edit}")).collect();
+        assert_eq!(rename(&mut editor, "words.scl", piece, to), Ok(edits));
+    }
+}
