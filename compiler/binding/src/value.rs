@@ -91,6 +91,13 @@ pub fn untyped_bytes(ty: Elementary, literal: &Literal) -> Option<Vec<u8>> {
     (low..=high).contains(&value).then(|| value.to_be_bytes()[8 - bytes..].to_vec())
 }
 
+/// A REAL constant with the digits that an LREAL has, from its text: `0.1`, `LREAL#1.5e+3`. `None`: it is not a number.
+pub fn long_real(text: &str) -> Option<f64> {
+    let value = text.split_once('#').map_or(text, |(_, value)| value);
+    let digits: String = value.chars().filter(|c| !matches!(c, '_' | ' ')).collect();
+    digits.parse().ok()
+}
+
 /// A description of a constant, for messages.
 pub const fn literal_kind(literal: &Literal) -> &'static str {
     match literal {

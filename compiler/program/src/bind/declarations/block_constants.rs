@@ -27,7 +27,7 @@ impl Declarations<'_> {
         for constant in &block.constants {
             self.declare_name(names, &constant.name, constant.name_span);
             let value = constant.value.as_ref().map(|value| (self.scope_constant(value), value.span));
-            let value = value.or_else(|| stl_value(constant.initial.as_ref()?));
+            let value = value.or_else(|| self.stl_value(constant.initial.as_ref()?));
             let value = match (&constant.ty, value) {
                 (None, value) => value.and_then(|(value, _)| value),
                 (Some(ty), value) => {
@@ -128,12 +128,14 @@ impl Declarations<'_> {
             (value, _) => value,
         })
     }
-}
 
-/// The value of a constant that STL declares, and where it is written; none of arrays and structures.
-fn stl_value(initial: &ast::InitialValue) -> Option<(Option<Constant>, Span)> {
-    match &initial.kind {
-        ast::InitialKind::Literal(literal) => Some((Constant::of_stl(literal), initial.span)),
-        _ => None,
+    /// The value of a constant that STL declares, and where it is written; none of arrays and structures.
+    fn stl_value(&self, initial: &ast::InitialValue) -> Option<(Option<Constant>, Span)> {
+        match &initial.kind {
+            ast::InitialKind::Literal(literal) => {
+                Some((self.globals.constant_of_stl(literal, initial.span), initial.span))
+            }
+            _ => None,
+        }
     }
 }

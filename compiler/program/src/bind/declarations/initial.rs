@@ -400,7 +400,7 @@ impl Declarations<'_> {
         bit: u8,
     ) -> Option<()> {
         let fitted = || {
-            let constant = Constant::of_stl(literal).ok_or(Mismatch::Type)?;
+            let constant = self.globals.constant_of_stl(literal, span).ok_or(Mismatch::Type)?;
             Globals::constant_bytes(&constant, ty)
         };
         let bytes = match ty {

@@ -3,11 +3,12 @@
 use plcc_binding::constant::fold::{self, Fault};
 use plcc_binding::constant::{Constant, Constants, fit};
 use plcc_binding::rewrite;
-use plcc_binding::value::Mismatch;
+use plcc_binding::value::{self, Mismatch};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::layout;
 use plcc_model::types::DataType;
 use plcc_syntax::Elementary;
+use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
 
 use crate::bind::globals::Globals;
@@ -49,6 +50,16 @@ impl Globals<'_> {
                 self.no_constant(value.span, "this is only known at run time");
                 None
             }
+        }
+    }
+
+    /// The constant of a declaration in STL, with all digits that an LREAL has; `None`: a pointer.
+    pub fn constant_of_stl(&self, literal: &Literal, span: Span) -> Option<Constant> {
+        match literal {
+            Literal::Real(value) => {
+                Some(Constant::Real(value::long_real(&self.text(span)).unwrap_or(f64::from(*value))))
+            }
+            other => Constant::of_stl(other),
         }
     }
 

@@ -26,13 +26,6 @@ use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
 
-/// A REAL constant with the digits that a LREAL has: `0.1`, `LREAL#1.5e+3`.
-fn long_real(text: &str) -> Option<f64> {
-    let value = text.split_once('#').map_or(text, |(_, value)| value);
-    let digits: String = value.chars().filter(|c| !matches!(c, '_' | ' ')).collect();
-    digits.parse().ok()
-}
-
 impl StlBinder<'_, '_> {
     /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be determined.
     pub fn bind_actual(
@@ -184,7 +177,7 @@ impl StlBinder<'_, '_> {
     ) -> Option<Actual> {
         match &settled {
             Settled::Literal(Literal::Real(value)) if ty == Elementary::Lreal => {
-                let value = long_real(&self.program.globals.text(span)).unwrap_or(f64::from(*value));
+                let value = value::long_real(&self.program.globals.text(span)).unwrap_or(f64::from(*value));
                 Some(Actual::Const(value.to_be_bytes().to_vec()))
             }
             Settled::Literal(literal) => match value::elementary_bytes(ty, literal, value::Place::Call) {
