@@ -7,6 +7,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use crate::ast::*;
 use crate::front::frame::{self, HeaderPart};
 use crate::literal::Literal;
+use crate::scl;
+use crate::scl::ast::{Expr, ExprKind, UnaryOp};
 use crate::stl::messages::State;
 use crate::stl::token::{CodeKeyword, Tok};
 use crate::stl::{StlInsn, check};
@@ -292,6 +294,16 @@ pub fn initial_list(state: &State, values: Vec<Option<InitialValue>>, range: Ran
 
 pub fn initial_literal(state: &State, value: Literal, range: Range<usize>) -> InitialValue {
     InitialValue { kind: InitialKind::Literal(value), span: state.span(range) }
+}
+
+/// A constant that only declarations have, with its sign: the expression that it is in SCL.
+pub fn long_literal(state: &State, (value, negative): (scl::ast::Literal, bool), range: Range<usize>) -> InitialValue {
+    let span = state.span(range);
+    let mut constant = Expr { kind: ExprKind::Literal(value), span };
+    if negative {
+        constant = Expr { kind: ExprKind::Unary { op: UnaryOp::Minus, operand: Box::new(constant) }, span };
+    }
+    InitialValue { kind: InitialKind::Expr(Box::new(constant)), span }
 }
 
 /// `6 (0)`.

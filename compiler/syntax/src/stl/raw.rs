@@ -257,6 +257,17 @@ enum LiteralForm {
     Text,
 }
 
+/// Prefixes of constants that only declarations have: no instruction loads one.
+const LONG_PREFIXES: [&str; 10] =
+    ["LT", "LTIME", "LTOD", "LTIME_OF_DAY", "LDT", "DATE_AND_LTIME", "DTL", "LWORD", "WCHAR", "WSTRING"];
+
+/// Whether a constant is of a type that only declarations have: `LT#5us`, `WSTRING#'a'`.
+pub fn is_long(constant: &str) -> bool {
+    constant
+        .split_once('#')
+        .is_some_and(|(prefix, _)| LONG_PREFIXES.iter().any(|known| known.eq_ignore_ascii_case(prefix)))
+}
+
 fn literal_form(prefix: &str) -> Option<LiteralForm> {
     const FORMS: &[(&str, LiteralForm)] = &[
         ("W", LiteralForm::Number),
@@ -292,6 +303,16 @@ fn literal_form(prefix: &str) -> Option<LiteralForm> {
         ("P", LiteralForm::Pointer),
         ("CHAR", LiteralForm::Text),
         ("STRING", LiteralForm::Text),
+        ("LT", LiteralForm::Duration),
+        ("LTIME", LiteralForm::Duration),
+        ("LTOD", LiteralForm::Date),
+        ("LTIME_OF_DAY", LiteralForm::Date),
+        ("LDT", LiteralForm::Date),
+        ("DATE_AND_LTIME", LiteralForm::Date),
+        ("DTL", LiteralForm::Date),
+        ("LWORD", LiteralForm::Number),
+        ("WCHAR", LiteralForm::Text),
+        ("WSTRING", LiteralForm::Text),
     ];
     FORMS.iter().find(|(name, _)| name.eq_ignore_ascii_case(prefix)).map(|(_, form)| *form)
 }

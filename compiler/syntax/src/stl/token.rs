@@ -4,6 +4,7 @@ use crate::ast::{AddressRegister, AssertRegister};
 use crate::ast::{Area, BlockPrefix, CellKind, Pragma, SectionKind, SpecialRegister, StatusOperand, Width};
 use crate::front;
 use crate::literal::Literal;
+use crate::scl;
 use crate::stl::StlInsn;
 
 /// Keyword that opens a block with code.
@@ -119,6 +120,8 @@ pub enum Tok<'a> {
     /// A name as written.
     Name(&'a str),
     Literal(Literal),
+    /// A constant that only declarations have, `LT#5us`, `16#1_0000_0000`, and whether `-` is before it.
+    LongLiteral(scl::ast::Literal, bool),
 
     // Assertions.
     AssertRegister(AssertRegister),

@@ -130,11 +130,12 @@ impl Declarations<'_> {
     }
 
     /// The value of a constant that STL declares, and where it is written; none of arrays and structures.
-    fn stl_value(&self, initial: &ast::InitialValue) -> Option<(Option<Constant>, Span)> {
+    fn stl_value(&mut self, initial: &ast::InitialValue) -> Option<(Option<Constant>, Span)> {
         match &initial.kind {
             ast::InitialKind::Literal(literal) => {
                 Some((self.globals.constant_of_stl(literal, initial.span), initial.span))
             }
+            ast::InitialKind::Expr(value) => Some((self.scope_constant(value), initial.span)),
             _ => None,
         }
     }

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Classifier, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
 use crate::ast::SectionKind;
+use crate::elementary::Elementary;
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -295,7 +296,7 @@ impl<'a> Classifier<'a, '_> {
     fn declaration_token(&mut self) {
         let token = self.raw[self.at];
         match token.kind {
-            _ if self.is_literal(self.at) => self.literal(),
+            _ if self.is_literal(self.at) => self.declared_literal(),
             RawKind::Word => self.declaration_word(),
             RawKind::Quoted => {
                 let name = unquoted(self.slice(token));
@@ -325,7 +326,7 @@ impl<'a> Classifier<'a, '_> {
         }
         let upper = self.upper(self.at);
         let name = self.slice(token);
-        let in_value = matches!(self.last(), Some(Tok::Assign | Tok::Comma | Tok::LeftParen));
+        let in_value = matches!(self.last(), Some(Tok::Assign | Tok::Comma | Tok::LeftParen | Tok::LeftBracket));
         match upper.as_str() {
             "OF" if matches!(self.last(), Some(Tok::RightBracket)) => self.take(Tok::Of),
             "AT" if matches!(self.last(), Some(Tok::Name(_) | Tok::RightBrace | Tok::Quoted(_)))
@@ -344,6 +345,7 @@ impl<'a> Classifier<'a, '_> {
     /// A data type: `INT`, `UDT 5`, `"Motor"`, `ARRAY`, `STRING`, `STRUCT`.
     pub(super) fn type_name(&mut self) {
         let Some(token) = self.peek() else { return };
+        self.may_be_long = false;
         match token.kind {
             RawKind::Quoted => {
                 let name = unquoted(self.slice(token));
@@ -357,6 +359,8 @@ impl<'a> Classifier<'a, '_> {
                 _ => {
                     if !self.numbered_block() {
                         let name = self.slice(token);
+                        let ty = Elementary::from_word(&name.to_ascii_uppercase());
+                        self.may_be_long = ty.is_some_and(|ty| ty.bits() == 64);
                         self.take(Tok::Name(name));
                     }
                 }
@@ -367,15 +371,20 @@ impl<'a> Classifier<'a, '_> {
 
     /// Assignments after BEGIN.
     pub(super) fn values(&mut self) {
+        self.may_be_long = false;
         let mut brackets = 0usize;
         while let Some(token) = self.peek() {
             self.file_pragmas(token.start);
+            if matches!(token.kind, RawKind::Assign | RawKind::Semicolon) {
+                self.may_be_long = token.kind == RawKind::Assign;
+            }
             let upper = self.upper(self.at);
             let at_start = matches!(self.last(), Some(Tok::Semicolon | Tok::Begin));
             let after_value = matches!(
                 self.last(),
                 Some(
                     Tok::Literal(_)
+                        | Tok::LongLiteral(..)
                         | Tok::BadOperand
                         | Tok::RightParen
                         | Tok::Assign

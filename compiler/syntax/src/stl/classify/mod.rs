@@ -24,9 +24,10 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use crate::front::{self, Classified, Cursor, frame};
 use crate::literal::{self, Literal};
+use crate::scl;
 use crate::stl::Mnemonics;
 use crate::stl::mnemonics::{Detected, Upper};
-use crate::stl::raw::{RawKind, RawText};
+use crate::stl::raw::{self, RawKind, RawText};
 use crate::stl::token::Tok;
 
 /// How deep STRUCTs may be nested. STEP 7 allows 8 levels; the rest is for other tools.
@@ -53,6 +54,7 @@ pub fn classify<'a>(
         set: detected.set,
         both_sets: false,
         mixed: detected.first[1].is_some(),
+        may_be_long: false,
     };
     classifier.file();
     classifier.cursor.finish()
@@ -61,7 +63,7 @@ pub fn classify<'a>(
 /// Classifies the words of a side of an assertion: operands, area letters of both sets. `offset`: where `text` begins in the file.
 pub fn classify_operand<'a>(file: FileId, text: &'a str, raw: &RawText, offset: usize) -> Classified<Tok<'a>> {
     let cursor = Cursor::new(file, text, &raw.tokens, &[]);
-    let mut classifier = Classifier { cursor, set: Mnemonics::En, both_sets: true, mixed: false };
+    let mut classifier = Classifier { cursor, set: Mnemonics::En, both_sets: true, mixed: false, may_be_long: false };
     classifier.assert_side();
     let mut classified = classifier.cursor.finish();
     for (start, _, end) in &mut classified.tokens {
@@ -90,6 +92,8 @@ struct Classifier<'a, 'r> {
     both_sets: bool,
     /// The file has mnemonics of both sets, which has been reported.
     mixed: bool,
+    /// A start value may have 64 bits: the type before it has, or no type is before it, after BEGIN.
+    may_be_long: bool,
 }
 
 crate::moves_cursor!(Classifier, RawKind, Option<&'static str>, Tok);
@@ -204,7 +208,41 @@ impl<'a> Classifier<'a, '_> {
         self.push(first.start as usize, tok, token.end as usize);
     }
 
+    /// Takes a constant of a declaration or after BEGIN, which may be one that no instruction loads.
+    fn declared_literal(&mut self) {
+        let first = self.raw[self.at];
+        let signed = matches!(first.kind, RawKind::Minus | RawKind::Plus);
+        let after = self.at + 1 + usize::from(signed);
+        let token = self.raw[after - 1];
+        let text = self.slice(token);
+        let is_long = raw::is_long(text)
+            || self.may_be_long
+                && token.kind != RawKind::Text
+                && literal::parse(text).is_err_and(|error| error.code == Code::LiteralRange);
+        if !is_long {
+            return self.literal();
+        }
+        match scl::literal::parse(text) {
+            Ok(scl::literal::Read { value, wrapped: None }) => {
+                self.take_up_to(Tok::LongLiteral(value, first.kind == RawKind::Minus), after);
+            }
+            Err(error) if raw::is_long(text) => {
+                self.report(error.at(self.span(token)));
+                self.take_up_to(Tok::BadOperand, after);
+            }
+            _ => self.literal(),
+        }
+    }
+
     fn literal_token(&mut self, text: &str, span: Span) -> Tok<'a> {
+        if raw::is_long(text) {
+            self.report(
+                Diagnostic::new(Code::BadLiteral, span, format!("`{text}` is not an operand of STL"))
+                    .label("only declarations have constants of this type")
+                    .help("declare a variable with this start value, and name it here"),
+            );
+            return Tok::BadOperand;
+        }
         let compact: String;
         let value = if text.starts_with(['-', '+']) {
             compact = text.chars().filter(|c| !matches!(c, ' ' | '\t')).collect();
