@@ -389,7 +389,8 @@ impl Declarations<'_> {
         self.report(message);
     }
 
-    /// A constant of STL, which must be written as its type requires; types that STL does not have are less strict.
+    /// A constant of STL, which must be written as its type requires. Types that STL does not have are less strict, and so is the TIA
+    /// Portal, where declarations are the same in all languages: `w : Word := 5`.
     fn encode_literal(
         &mut self,
         literal: &Literal,
@@ -403,9 +404,10 @@ impl Declarations<'_> {
             let constant = self.globals.constant_of_stl(literal, span).ok_or(Mismatch::Type)?;
             Globals::constant_bytes(&constant, ty)
         };
+        let of_portal = self.globals.input.profile.family.is_portal();
         let bytes = match ty {
             DataType::Elementary(elementary) => match elementary_bytes(*elementary, literal, Place::Declaration) {
-                Err(Mismatch::Type) if !elementary.is_of_s7300() => fitted(),
+                Err(Mismatch::Type) if of_portal || !elementary.is_of_s7300() => fitted(),
                 result => result,
             },
             _ => fitted(),
