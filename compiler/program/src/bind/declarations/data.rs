@@ -14,7 +14,7 @@ use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use};
 use crate::bind::trees::{blocks, mentions};
 use plcc_abi::{any, layout};
 use plcc_binding::fold;
-use plcc_model::layout::bytes as layout_bytes;
+use plcc_model::layout::{bytes as layout_bytes, same_type};
 use plcc_model::types::{DataType, Elementary, StructType};
 use plcc_model::{BlockKey, DataBlock};
 use plcc_syntax::symbols::SymbolTarget;
@@ -154,6 +154,9 @@ impl Declarations<'_> {
     fn db_content(&mut self, source: &ast::DataBlock) -> Option<(TypedStruct, Option<BlockKey>)> {
         match &source.content {
             DataContent::Struct(variables) => {
+                if let Some(instance) = self.data_of_instruction(source, variables) {
+                    return Some(instance);
+                }
                 let typed = self.structure(String::new(), variables, source.name.span(), Use::Component)?;
                 Some((typed, None))
             }
@@ -275,6 +278,41 @@ impl Declarations<'_> {
                 None
             }
         }
+    }
+
+    /// The instance of a block of the library whose components the data block declares, with their start values:
+    /// `{InstructionName := 'IEC_TIMER'}`, as the TIA Portal writes the data of timers and counters.
+    fn data_of_instruction(
+        &mut self,
+        source: &ast::DataBlock,
+        variables: &[ast::Variable],
+    ) -> Option<(TypedStruct, Option<BlockKey>)> {
+        let mut attributes = source.header.attributes.iter();
+        let (_, value) = attributes.find(|(name, _)| name.eq_ignore_ascii_case("InstructionName"))?;
+        let name = value.trim().trim_matches(['\'', '"']).trim();
+        let names = &self.globals.names;
+        if names.symbols.contains_key(&fold(name)) || names.types.contains_key(&fold(name)) {
+            return None;
+        }
+        self.type_block(name)?;
+        let name = BlockName::Symbol { name: name.to_string(), span: source.name.span() };
+        let (instance, key) = self.db_of_type(source, &name)?;
+        let mut members = Vec::new();
+        for variable in variables {
+            let member = self.types.member(&instance.ty, &variable.name)?;
+            let own = self.resolve_type(&variable.ty, Use::Component)?;
+            if !same_type(&own.ty, &member.ty) {
+                return None;
+            }
+            members.push(member);
+        }
+        let mut image = instance.image.to_vec();
+        for (variable, member) in variables.iter().zip(members) {
+            if let Some(value) = &variable.initial {
+                self.encode_initial(value, &member.ty, &mut image, member.byte, member.bit);
+            }
+        }
+        Some((TypedStruct { ty: instance.ty, image: Rc::from(image) }, key))
     }
 
     fn make_db(
