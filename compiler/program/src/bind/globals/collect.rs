@@ -11,7 +11,7 @@ use crate::bind::globals::Globals;
 use crate::bind::globals::names::{Global, code_kind};
 use crate::bind::trees::blocks::{block_class, header_of, is_forward, is_fragment, is_safety};
 use crate::bind::trees::mentions;
-use crate::bind::trees::numbering::{block_of_file, frame, numbered, source_prefix};
+use crate::bind::trees::numbering::{LOOSE, LOOSE_HELP, block_of_file, frame, is_loose, numbered, source_prefix};
 use plcc_binding::constant::{Constant, Constants};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
@@ -156,9 +156,14 @@ impl<'a> Globals<'a> {
             let is_main = class == Some(ObClass::ProgramCycle) && name.eq_ignore_ascii_case("Main");
             if is_main && used.contains(&(prefix, 1)) && block_class(block).is_none() {
                 let title = format!("`{name}` is OB {number} here, because the sources have an OB 1 too");
-                let mut message = Diagnostic::new(Code::DuplicateBlock, span, title)
-                    .label("both blocks run in each cycle")
-                    .help("`Main` is the usual name of OB 1: if they are one block remove one of them, else give this one another name");
+                let message = Diagnostic::new(Code::DuplicateBlock, span, title).label("both blocks run in each cycle");
+                let mut names = blocks.iter().map(|block| frame(block)).map(|(prefix, name)| (prefix, name.span()));
+                let mut message = match names.find(|(prefix, name)| is_loose(*prefix, *name)) {
+                    Some((_, statements)) => message.also(statements, LOOSE).help(LOOSE_HELP),
+                    None => message.help(
+                        "`Main` is the usual name of OB 1: if they are one block remove one of them, else give this one another name",
+                    ),
+                };
                 message.severity = Severity::Warning;
                 self.report.push(message);
             }
@@ -474,11 +479,13 @@ impl<'a> Globals<'a> {
         if let Some(first) = self.names.defined.insert((prefix, number), span) {
             self.names.defined.insert((prefix, number), first);
             let title = format!("{} {number} is defined twice", prefix.letters());
-            let help = self.choice(first, span, "give one of them another number");
+            let (is_first, is_second) = (is_loose(prefix, first), is_loose(prefix, span));
+            let help = if is_first || is_second { LOOSE_HELP } else { "give one of them another number" };
+            let help = self.choice(first, span, help);
             self.report.push(
                 Diagnostic::new(Code::DuplicateBlock, span, title)
-                    .label("the second definition")
-                    .also(first, "the first definition")
+                    .label(if is_second { LOOSE } else { "the second definition" })
+                    .also(first, if is_first { LOOSE } else { "the first definition" })
                     .help(help),
             );
             return;

@@ -1,7 +1,7 @@
 //! The numbers that blocks state: by their names, by attributes, by the names of their files.
 
 use plcc_abi::ob::{OB_FREE, ObClass};
-use plcc_diag::FileId;
+use plcc_diag::{FileId, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
 use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::symbols::{SymbolTarget, parse_address};
@@ -26,6 +26,15 @@ pub fn frame(block: &ast::Block) -> (BlockPrefix, &BlockName) {
         ast::Block::Data(data) => (BlockPrefix::Db, &data.name),
         ast::Block::Type(ty) => (BlockPrefix::Udt, &ty.name),
     }
+}
+
+/// What is said of statements without a block, and what to do.
+pub const LOOSE: &str = "these statements are in no block, so they are OB 1";
+pub const LOOSE_HELP: &str = "put these statements into a block, or remove them";
+
+/// Whether `name` is that of an OB 1 made of statements without a block: nobody has written it.
+pub fn is_loose(prefix: BlockPrefix, name: Span) -> bool {
+    prefix == BlockPrefix::Ob && name.start == name.end
 }
 
 /// The name of a block with its number, if the text states it: `FC10` in one word, a number next to the name, the attribute `S7_BlockNumber`, an OB by its usual
