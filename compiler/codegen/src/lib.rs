@@ -71,7 +71,7 @@ impl Default for CodegenOptions {
 pub enum CodegenError {
     /// There is no code generator for this computer.
     Host(String),
-    /// The module breaks a rule of the IR: a bug of whoever built it.
+    /// The module breaks a rule of the IR: a bug in the code that built it.
     Module { function: String, message: String },
     /// A function was refused by the code generator: our bug, or a function beyond its limits.
     Function { function: String, message: String },

@@ -2,7 +2,7 @@
 //!
 //! A region is a constant distance from the memory base, except local data, which is a distance from a frame address.
 //! PLC areas are big-endian: a load or store of more than one byte goes with a byte swap; the CPU state and the DB
-//! table are in the byte order of the host. No access traps: whoever builds the IR checks ranges.
+//! table are in the byte order of the host. No access traps: ranges are checked where the IR is built.
 //!
 //! Cranelift is informed of accesses that cannot overlap. Its alias regions are disjoint, while an access of `Region::Any` may
 //! touch every area; so in a function that has one, all areas are one alias region. The CPU state and the DB table

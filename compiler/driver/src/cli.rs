@@ -135,9 +135,9 @@ impl OptimizationArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
 pub enum CpuFeatures {
-    /// Those of every processor of the architecture.
+    /// Only instructions that every processor of the architecture has.
     Baseline,
-    /// All of the processor of this computer; the executable may not run on another one.
+    /// All instructions of the processor in this computer; the executable may not run on another one.
     Native,
 }
 
@@ -382,13 +382,13 @@ pub struct StatusArgs {
     /// Number of the cycle; 0: startup.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub cycle: u64,
-    /// The call with its instance in this data block.
+    /// The call whose instance is this data block.
     #[arg(long, value_name = "DB")]
     pub instance: Option<String>,
-    /// The call on this path, such as `OB1/FC2`: the last block calls it.
+    /// The blocks that lead to the call, such as `OB1/FC2`; the last one calls the block.
     #[arg(long, value_name = "PATH")]
     pub path: Option<String>,
-    /// Which of the calls in the cycle that fit.
+    /// Number of the call, if several calls in the cycle fit.
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub call: u32,
     /// Print the status as JSON.
@@ -503,7 +503,7 @@ pub struct ConvertArgs {
     /// Write addresses as symbols, in sources that otherwise stay as they are.
     #[arg(long, group = "what")]
     pub symbolic: bool,
-    /// Report what another family of CPUs has of the program: `s7-1200` for one of an S7-200, `s7-1500` for one of an S7-300/400.
+    /// Report what carries over to another family of CPUs: `s7-1200` for a program of an S7-200, `s7-1500` for one of an S7-300/400.
     #[arg(long, value_name = "FAMILY", group = "what")]
     pub report: Option<String>,
     /// Output file; for several sources, or with `/` at the end, a folder [default: standard output].

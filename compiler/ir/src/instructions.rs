@@ -55,7 +55,7 @@ ops! {
         Iadd = "iadd",
         Isub = "isub",
         Imul = "imul",
-        /// The divisor is not 0, and not -1 when the dividend is the least value: whoever builds it guards.
+        /// The divisor is not 0, and not -1 when the dividend is the least value: code that builds it guards it.
         Sdiv = "sdiv",
         /// As `sdiv`.
         Srem = "srem",

@@ -42,7 +42,7 @@ use crate::function::{Function, ValueDef};
 use crate::instructions::{Address, BinaryOp, BlockCall, ConvertOp, InstData, IntCc, Region, UnaryOp};
 use crate::module::Module;
 
-/// A broken rule; it is a bug of whoever built the module.
+/// A broken rule; a bug in the code that built the module.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VerifyError {
     /// Name of the function; empty if the rule is one of the module.

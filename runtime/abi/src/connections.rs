@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct S7Connection {
     /// The local ID: never 0.
     pub id: u16,
-    /// The partner: `192.168.0.7:102`. `None` only where the partner connects, whoever it is.
+    /// The partner: `192.168.0.7:102`. `None` only where any partner may connect.
     pub partner: Option<String>,
     /// This side connects; else the S7 server of this program waits for the partner.
     pub active: bool,

@@ -254,7 +254,7 @@ impl Cpu {
         self.show_clock();
     }
 
-    /// Renews what generated code sees of the clock; whoever moves the clock while a block waits does it again.
+    /// Renews what generated code sees of the clock; code that moves the clock while a block waits calls it again.
     pub(crate) fn show_clock(&self) {
         let (countdown, ticks) = self.clock.fields();
         self.memory.set_state::<{ state::COUNTDOWN }, 8>(countdown.to_ne_bytes());

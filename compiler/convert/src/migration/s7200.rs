@@ -93,7 +93,7 @@ fn instruction(insn: Insn) -> Verdict {
         Insn::IncW | Insn::DecW | Insn::IncD | Insn::DecD => BOX,
         Insn::Sqrt | Insn::Sin | Insn::Cos | Insn::Tan | Insn::Ln | Insn::Exp => BOX,
         Insn::Pid => {
-            (Changes, "PID_Compact, a technology object; the loop table is not read, so the controller is set anew")
+            (Changes, "PID_Compact, a technology object; the loop table is not read: set the controller up again")
         }
         Insn::MovB | Insn::MovW | Insn::MovD | Insn::MovR => (Carries, "as MOVE"),
         Insn::Bmb | Insn::Bmw | Insn::Bmd => (Changes, "MOVE_BLK of arrays"),

@@ -240,7 +240,7 @@ fn other_family(unit: &SourceUnit, to: ConvertTo) -> Diagnostic {
         | ConvertTo::Gr7
         | ConvertTo::Xml
         | ConvertTo::Plcopen
-        | ConvertTo::Awl => "write it with `--to awl`; `--report s7-1200` says what an S7-1200 has of it",
+        | ConvertTo::Awl => "write it with `--to awl`; `--report s7-1200` says what carries over to an S7-1200",
     };
     Diagnostic::new(plcc_diag::Code::NotConverted, span, "a source of the S7-200 cannot be converted")
         .label("STL of the S7-200")

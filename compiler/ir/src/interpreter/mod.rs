@@ -163,7 +163,7 @@ fn execute(code: &Code, frame: &mut Frame, r: &mut [u64], host: &dyn Host) -> (E
             }
             Op::Binary { op, ty, dst, args } => {
                 r[*dst as usize] = eval::binary(*op, *ty, r[args[0] as usize], r[args[1] as usize])
-                    .expect("whoever builds a division guards it");
+                    .expect("code that builds a division guards it");
             }
             Op::IntCompare { cc, ty, dst, args } => {
                 r[*dst as usize] = u64::from(eval::int_compare(*cc, *ty, r[args[0] as usize], r[args[1] as usize]));

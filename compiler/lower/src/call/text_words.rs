@@ -184,7 +184,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Copies `count` characters, fewer than [`BLOCK`] and at most `most`. Fewer than a word come in a word, if there is room for one: no
-    /// branch depends on their number, and whoever reads the word does not wait for pieces. Else in two pieces that overlap, both read before
+    /// branch depends on their number, and a later read of the word does not wait for pieces. Else in two pieces that overlap, both read before
     /// one is written.
     fn copy_last(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
         let end = self.b.create_block();

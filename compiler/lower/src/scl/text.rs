@@ -217,7 +217,7 @@ impl BlockLowering<'_, '_> {
     /// A constant, a result or a character: its address in the frame.
     pub fn complex_value(&mut self, value: &Complex) -> Address {
         match value {
-            Complex::Variable(_) => unreachable!("whoever reads variables locates them"),
+            Complex::Variable(_) => unreachable!("variables are located where they are read"),
             Complex::Const(bytes) => {
                 let addr = self.temporary(bytes.len() as u32);
                 self.store_bytes(addr, bytes);

@@ -1,7 +1,7 @@
 //! Timers of an S7-200: TON, TONR, TOF with the update rules of 1, 10 and 100 ms. Source: S7-200 system manual, timer instructions.
 //!
 //! Value, bit and last input of a timer are in the system area. They show whether it runs: TON and TONR while their input is on, TOF while
-//! its input is off and its bit still on. So whoever clears the three (R) has stopped the timer.
+//! its input is off and its bit still on. So clearing the three (R) stops the timer.
 //!
 //! | Resolution | Counts |
 //! | --- | --- |

@@ -280,7 +280,7 @@ fn loader(Asked { page, most }: &Asked, headers: &HeaderMap) -> Result<Loader, R
         return Err(refused(StatusCode::FORBIDDEN, "the program was not started with --allow-load"));
     };
     let (_, role) = page.user(headers).map_err(|status| refused(status, "sign in first, with --user"))?;
-    // Without users the page is for this computer only, and whoever started the program has allowed it.
+    // Without users the page is for this computer only, and the user who started the program has allowed it.
     let may = page.users.is_open() || role.min(*most) >= Role::Change;
     match may && is_own(headers) {
         true => Ok(loader),
