@@ -295,6 +295,7 @@ impl Model {
             KeyCode::Down => self.go(1),
             KeyCode::PageUp => self.go(-10),
             KeyCode::PageDown => self.go(10),
+            KeyCode::Char('S' | 'R' | 'O' | 'C') if !self.may(Role::Change) => {}
             KeyCode::Char('S') => self.asks = Some((Asks::Stop, String::new())),
             KeyCode::Char('R') => self.asks = Some((Asks::Run, String::new())),
             // It is the safe side, so nothing is asked.
@@ -314,6 +315,16 @@ impl Model {
                 Part::Diagnostics => {}
             },
         }
+    }
+
+    /// Whether the user has the role that a key needs; if not, the line at the bottom says so.
+    fn may(&mut self, needed: Role) -> bool {
+        let may = self.role() >= needed;
+        if !may {
+            let roles = if needed == Role::Change { "`change`" } else { "`operate` or `change`" };
+            self.refused = format!("only a user with the role {roles} may do this: sign in with --user NAME");
+        }
+        may
     }
 
     fn key_in_program(&mut self, key: KeyCode) {
@@ -336,6 +347,8 @@ impl Model {
         let at = self.row(Part::Watch);
         let Some(name) = self.watched.get(at).cloned() else { return };
         match key {
+            KeyCode::Char('m' | 'M') if !self.may(Role::Operate) => {}
+            KeyCode::Char('f' | 'u') if !self.may(Role::Change) => {}
             KeyCode::Char('m') => {
                 self.asks = Some((Asks::Modify, self.entered.get(&name).cloned().unwrap_or_default()));
             }

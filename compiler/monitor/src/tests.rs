@@ -124,6 +124,21 @@ fn values_are_modified_and_forced() {
 }
 
 #[test]
+fn keys_that_need_a_role_say_so_before_they_ask() {
+    let mut model = model("look");
+    let _ = model.orders().count();
+    for (key, role) in
+        [("m", "`operate` or `change`"), ("M", "`operate`"), ("f", "role `change`"), ("S", "role `change`")]
+    {
+        keys(&mut model, key);
+        assert!(model.refused.contains(role) && model.refused.contains("--user"), "{key}: {}", model.refused);
+        assert_eq!(model.asks, None, "{key}");
+    }
+    keys(&mut model, "u");
+    assert_eq!(model.orders().count(), 0);
+}
+
+#[test]
 fn outputs_are_enabled_and_the_memory_is_reset_in_stop() {
     let mut model = model("change");
     let _ = model.orders().count();
