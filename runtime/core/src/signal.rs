@@ -105,8 +105,8 @@ impl Source {
         }
         if let Some((name, ty)) = split_last(text, " as ") {
             let ty = typed::from_word(without_unit(ty))?;
-            return as_type(names::find(name, image)?, ty)
-                .ok_or_else(|| format!("the width of {} is not that of {}", name.trim(), typed::name(ty)));
+            let named = names::find(name, image)?;
+            return as_type(named, ty).ok_or_else(|| wrong_width(name.trim(), named, ty));
         }
         if let Some((name, unit)) = split_last(text, " in ") {
             if let Ok(source) = names::find(name, image).map(Source::of)
@@ -330,6 +330,18 @@ fn as_type(named: Named, ty: AssertType) -> Option<Source> {
     }
     address.width = width;
     Some(Source::of(Named { address, ty: Some(ty) }))
+}
+
+/// The message for `name as ty`, if `ty` has another width.
+fn wrong_width(name: &str, named: Named, ty: AssertType) -> String {
+    let (bits, ty_name) = (named.address.width.bits(), typed::name(ty));
+    let plural = if bits == 1 { "" } else { "s" };
+    match typed::bits(ty) {
+        Some(wanted @ 1..=32) => format!("`{name}` has {bits} bit{plural}, but {ty_name} has {wanted}"),
+        Some(_) | None => {
+            format!("`{name}` has {bits} bit{plural}: name the byte where the {ty_name} begins, such as `MB10`")
+        }
+    }
 }
 
 /// The value of a type at an address.

@@ -431,9 +431,16 @@ impl<'a> Finder<'a> {
         };
         // `I0.9` was meant as an address.
         let is_bit = text.rsplit_once('.').is_some_and(|(_, bit)| digits(bit).is_some());
-        let is_address = is_bit && root.starts_with(['I', 'E', 'Q', 'A', 'M', 'i', 'e', 'q', 'a', 'm']);
-        if is_address && digits(&root[1..]).is_some() {
+        let is_address = root.starts_with(['I', 'E', 'Q', 'A', 'M', 'i', 'e', 'q', 'a', 'm']);
+        if is_address && is_bit && digits(&root[1..]).is_some() {
             return format!("`{text}` is not an address: a byte has the bits 0 to 7");
+        }
+        // `M10`
+        if is_address && near.is_empty() && text == root && digits(&root[1..]).is_some() {
+            let (area, byte) = root.split_at(1);
+            let forms =
+                format!("`{area}B{byte}` for a byte, `{area}W{byte}` for a word, `{area}D{byte}` for a double word");
+            return format!("`{text}` is not an address: write `{text}.0` for a bit, {forms}");
         }
         if text == root || is_bit {
             let examples = examples(self.image);

@@ -75,7 +75,7 @@ fn engineering_values_need_a_channel() {
     assert!(missing.contains("`AI2` is neither an address"), "{missing}");
     assert!(missing.contains("; the station has the analog inputs AI0 to AI1"), "{missing}");
     assert!(message("set = { \"I5.0\" = 1 }").starts_with("s.toml:3: I5.0: no module of the station has these"));
-    assert!(message("expect = { \"MW0 as REAL\" = 1.0 }").contains("is not that of REAL"));
+    assert!(message("expect = { \"MW0 as REAL\" = 1.0 }").contains("`MW0` has 16 bits, but REAL has 32"));
     assert!(message("expect = { \"plant.level\" = 1.0 }").contains("there is no plant"));
 }
 
