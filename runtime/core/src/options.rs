@@ -59,7 +59,7 @@ pub struct RunOptions {
     /// Print the diagnostic buffer at the end, newest entry first
     #[arg(long)]
     pub diag: bool,
-    /// Print only faults and the values of --print
+    /// Leave out the messages of a normal run: only faults, open services, missing parts and the values of --print are printed
     #[arg(long)]
     pub quiet: bool,
     /// Folder of the program's data logs, recipes and files [default: `data` in plc.toml, else plc-data]
