@@ -107,7 +107,7 @@ fn attack(port: u16, seed: u64, frames: usize, opening: &[&[u8]], right: &[&[u8]
                 Ok(0) => {}
                 Ok(_) => stream = Some(now),
                 Err(error) if matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut) => {
-                    // A frame that is not complete: the next ones belong to it. Half of the clients begin anew.
+                    // A frame that is not complete: the next ones belong to it. Half of the clients begin again.
                     stream = (random.below(2) == 0).then_some(now);
                 }
                 Err(_) => {}

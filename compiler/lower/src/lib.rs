@@ -308,7 +308,7 @@ impl<'s> Output<'s> {
         }
     }
 
-    /// Number of the site of code of `block` at `span`; a new one if it is another than the last.
+    /// Number of the site of code of `block` at `span`; a new one if it differs from the last.
     pub fn site(&mut self, block: &CodeBlock, span: plcc_diag::Span, network: u16) -> u32 {
         let (file, line) = self.place(span);
         let site = Site { file, line, block: block.kind, block_number: block.number, network };

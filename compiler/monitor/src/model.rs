@@ -153,7 +153,7 @@ impl Model {
     pub fn take(&mut self, incoming: Incoming) {
         match incoming {
             Incoming::Connected(names, tables) => {
-                // The state that is known is that of before, or none.
+                // The state that is known is from the earlier connection, if there is one.
                 if let Some(why) = &mut self.lost {
                     *why = "waiting for the CPU".to_string();
                 }

@@ -114,7 +114,7 @@ impl Diagnostics {
         self.faults.get()
     }
 
-    /// Places have other numbers in a changed program: those of before, and those of now.
+    /// Places have other numbers in a changed program: the old numbers, and the new ones.
     pub(crate) fn rename_sites(&self, renamed: &[(u32, u32)]) {
         self.entries.borrow_mut().iter_mut().for_each(|entry| entry.rename_site(renamed));
     }

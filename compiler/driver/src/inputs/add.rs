@@ -135,7 +135,7 @@ pub(super) fn add_project(read: &mut Read, folder: &Path) {
     match &project.sources {
         None if project.unread => {}
         None => {
-            // What runs of the program have written, and its tests, are no part of it.
+            // Files that runs of the program have written, and its tests, are not part of it.
             let data = store::folder(None, project.config.data_folder.as_deref());
             let mut apart = vec![folder.join("tests"), folder.join(data)];
             apart.retain(|other| !folder.starts_with(other));

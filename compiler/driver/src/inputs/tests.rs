@@ -154,7 +154,7 @@ fn what_a_run_has_written_is_no_part_of_the_program() {
     fs::write(folder.path().join("opcua/own.pem"), "-----BEGIN PRIVATE KEY-----\nMIIEvgIBADAN\n").unwrap();
     let found = read(&[folder.path().to_path_buf()]);
     assert_eq!((found.units.len(), found.diagnostics.len()), (1, 0));
-    // The folder of the program itself is no folder of data alone.
+    // The folder of the program itself is not only a folder of data.
     fs::write(folder.path().join("plc.toml"), "data = \".\"\n").unwrap();
     assert_eq!(read(&[folder.path().to_path_buf()]).units.len(), 2);
 }

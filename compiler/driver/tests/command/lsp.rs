@@ -367,7 +367,7 @@ fn a_name_is_changed_only_where_it_is_meant() {
     ] {
         assert_eq!(lines(file, piece), wanted, "{piece}");
     }
-    // What is no name of the block tells what it is.
+    // A word that is not a name of the block tells what it is.
     let hover = editor.at("textDocument/hover", "list.stl", "|T     #result");
     let text = hover["contents"]["value"].as_str().unwrap_or_default();
     assert!(text.contains("Operand"), "{text}");

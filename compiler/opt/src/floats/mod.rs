@@ -245,7 +245,7 @@ fn carry_as_floats(function: &mut Function) -> bool {
                 casts.entry(function.resolve(*arg)).or_default().push(function.result(inst));
                 continue;
             }
-            // A jump that brings a parameter to itself is no use of its bits.
+            // A jump that brings a parameter to itself does not use its bits.
             let mut own: Vec<Value> = Vec::new();
             data.for_each_target(|call| {
                 let pairs = function.blocks[call.block].params.iter().zip(&call.args);

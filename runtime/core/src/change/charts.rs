@@ -1,7 +1,7 @@
 //! Charts whose steps or transitions change: a chart goes on at its active steps if the new program has all of them.
 //!
 //! Steps and transitions are the same by name, and by number where they are elements of arrays (`G7S`, `G7T`). The lists of the engine
-//! count steps by position, so they are made anew. Whether it is possible is known at the change only, when it is known which steps are active.
+//! count steps by position, so they are made again. Whether it is possible is known at the change only, when it is known which steps are active.
 //!
 //! Source: GRAPH reference, chapter F, for the data; that a chart goes on is an extension, since STEP 7 begins it again.
 
@@ -220,7 +220,7 @@ fn chart(
             pairs.pair_at(other.ty, part.ty, &name, (other.place, part.place));
         }
     }
-    // What the engine keeps of the chart as a whole; what counts by positions is made anew.
+    // What the engine keeps of the chart as a whole; what counts by positions is made again.
     let own_data = find(&pairs.new, b, new_start, &path_in(data, &[OWN_DATA]))?;
     let own_data: Vec<String> = match pairs.new.ty(own_data.1)? {
         NamedType::Struct(own_data) => own_data.members.iter().map(|member| member.name.clone()).collect(),

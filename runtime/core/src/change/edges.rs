@@ -7,7 +7,7 @@
 use plcc_abi::s7200::S7200Image;
 use plcc_abi::s7200::image::EdgeMemory;
 
-/// Memories that go on, and networks whose edges begin anew.
+/// Memories that go on, and networks whose edges begin again.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Edges {
     /// Number of the memory before and after the change.

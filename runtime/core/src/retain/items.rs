@@ -104,7 +104,7 @@ pub(crate) struct Items {
 /// What came back.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Loaded {
-    /// Data blocks that begin with their start values, because they are others than those that were kept.
+    /// Data blocks that begin with their start values, because they differ from those that were kept.
     pub changed: Vec<u16>,
     /// Data blocks that were kept and are not in the program, as messages name them.
     pub gone: Vec<String>,

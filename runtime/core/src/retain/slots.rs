@@ -104,7 +104,7 @@ impl Slots {
         (SLOT_HEAD_BYTES + bytes) as u64 > self.slot_bytes
     }
 
-    /// False: somebody has deleted the file, or another one is in its place. One that somebody has cut is made anew with the next copy.
+    /// False: somebody has deleted the file, or another one is in its place. One that somebody has cut is made again with the next copy.
     pub(crate) fn is_in_place(&mut self) -> bool {
         let there = match std::fs::metadata(&self.path) {
             Ok(there) => there,

@@ -82,7 +82,7 @@ impl Tape {
         self.failure.borrow_mut().get_or_insert(message);
     }
 
-    /// The user has changed values: from now on memory is another than recorded.
+    /// The user has changed values: from now on memory differs from the recording.
     pub fn set_free(&self) {
         if let Side::Replay { strict, .. } = &self.side {
             strict.set(false);

@@ -75,7 +75,7 @@ fn only_named_inputs_are_copied() {
     let cpu = cpu(vec![(1, ob1)]);
     cpu.write(&at("IB0"), 7).unwrap();
     run(&cpu, 3);
-    assert_eq!(cpu.read(&at("IB0")), 8, "read anew each cycle");
+    assert_eq!(cpu.read(&at("IB0")), 8, "read again in each cycle");
     assert_eq!(cpu.read(&at("IB1")), 3, "keeps what the program wrote");
     assert_eq!(cpu.read(&at("PQB4")), 8);
 }

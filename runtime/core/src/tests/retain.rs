@@ -267,7 +267,7 @@ fn values_of_data_blocks_that_are_gone_are_not_lost_in_silence() {
 
 /// The number of a data block is that of the compiler.
 #[test]
-fn references_into_other_data_blocks_begin_anew() {
+fn references_into_other_data_blocks_get_their_initial_values() {
     let program = |image: &mut ProgramImage, target: &str| {
         let structure = |name: &str, members| NamedStruct {
             name: name.to_string(),
@@ -454,7 +454,7 @@ fn a_client_starts_a_stopped_cpu_again() {
         let cpu = stopped_by_a_client(&path, change);
         let time = cpu.clock.now();
         let again = Cpu::restarted(cpu, Restart::Warm);
-        // Not retentive memory begins anew, before OB 100.
+        // Memory that is not retentive begins again, before OB 100.
         again.memory.set_word(M + 30, 1);
         run(&again, 1);
         assert_eq!(words(&again)[..4], [2, 0, 5, 0]);

@@ -328,7 +328,7 @@ impl Session {
 
     /// After a change of the program.
     pub fn renew(&mut self, server: &Server) {
-        // Places in the nodes of before.
+        // Places in the earlier nodes.
         self.continuations = Continuations::default();
         if let Some(right) = self.right {
             self.subscriptions.renew(server, right);

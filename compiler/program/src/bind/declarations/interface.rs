@@ -310,7 +310,7 @@ impl<'a> Declarations<'a> {
         }
     }
 
-    /// Parameters of an OB, which were reported where it does not have them: they are known, so that their uses are no errors too.
+    /// Parameters of an OB, which were reported where it does not have them: they are known, so that their uses are not errors too.
     fn refused_sections(
         &mut self,
         block: &ast::CodeBlock,

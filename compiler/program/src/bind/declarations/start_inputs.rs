@@ -69,7 +69,7 @@ impl Declarations<'_> {
                 if has_known_inputs(class) {
                     self.no_start_value(number, class, variable);
                 }
-                // It is 0, as all local data of the OB at its start; what was reported is known, so that its uses are no errors too.
+                // It is 0, as all local data of the OB at its start; what was reported is known, so that its uses are not errors too.
                 let (byte, bit) = placer.place(&typed.ty);
                 let local = Local { name: variable.name.clone(), ty: typed.ty, base: Base::L, byte, bit };
                 bound.locals.entry(fold(&variable.name)).or_insert(local);
