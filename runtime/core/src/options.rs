@@ -20,7 +20,7 @@ pub enum ClockKind {
 /// Runtime flags.
 #[derive(Args, Clone, Debug, Default)]
 pub struct RunOptions {
-    /// End after N cycles of OB 1 [default: run until STOP, SIGINT or SIGTERM]
+    /// End after N cycles of OB 1 [default: run until STOP, Ctrl+C or SIGTERM]
     #[arg(long, value_name = "N", value_parser = parse_cycles, allow_negative_numbers = true)]
     pub cycles: Option<u64>,
     /// Clock of the program
@@ -125,6 +125,11 @@ impl RunOptions {
     /// Services that plc.toml names are not opened, only those of flags.
     pub fn flags_only(&self) -> bool {
         self.is_many() || self.replay.is_some()
+    }
+
+    /// Nothing in the flags ends the run, and nobody has asked for silence.
+    pub(crate) fn runs_on(&self) -> bool {
+        self.cycles.is_none() && self.replay.is_none() && !self.quiet
     }
 
     /// Puts what the flags say about errors and restarts into the configuration.
@@ -248,6 +253,15 @@ mod tests {
         assert!(message(&["--s7", "102"]).is_some_and(|message| message.starts_with("`--s7` needs the services")));
         assert!(message(&["--web=8080"]).is_some_and(|message| message.contains("--services")));
         assert_eq!([message(&["--cylces", "5"]), message(&["--retain"])], [None, None]);
+    }
+
+    #[test]
+    fn a_run_without_an_end_is_known() {
+        let plain = RunOptions::default();
+        assert!(plain.runs_on());
+        assert!(!RunOptions { cycles: Some(5), ..plain.clone() }.runs_on());
+        assert!(!RunOptions { quiet: true, ..plain.clone() }.runs_on());
+        assert!(!RunOptions { replay: Some("a.rec".into()), ..plain }.runs_on());
     }
 
     #[test]

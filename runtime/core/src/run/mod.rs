@@ -6,7 +6,7 @@ mod recorded;
 mod session;
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -164,6 +164,10 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
     }
     if let Some(service) = service {
         cpu.attach(service);
+    }
+    // Someone who sees nothing would take it for a program that hangs.
+    if options.runs_on() && std::io::stderr().is_terminal() {
+        say!("{} runs until Ctrl+C", cpu.image.name);
     }
     let mut cycles = 0;
     drive(&mut cpu, &pace, &mut session, options, inbox, &mut cycles);
