@@ -153,6 +153,11 @@ fn foot(model: &Model) -> Line<'_> {
     if !model.refused.is_empty() {
         return Line::from(Span::styled(format!(" {} ", model.refused), colored(Color::Red)));
     }
+    // The row of a wrong name has no room for the whole reason.
+    let name = (model.part == Part::Watch).then(|| model.watched.get(model.row(Part::Watch))).flatten();
+    if let Some(Err(why)) = name.and_then(|name| model.values.get(name)) {
+        return Line::from(vec![Span::styled(format!(" {why} "), colored(Color::Red)), Span::raw("  d: remove")]);
+    }
     let own = match model.part {
         Part::Program => "Enter: open, watch  /: search",
         Part::Watch if model.role() == Role::Change => "f: force  u: end forcing  d: remove",

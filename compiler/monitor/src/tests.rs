@@ -124,6 +124,16 @@ fn values_are_modified_and_forced() {
 }
 
 #[test]
+fn the_reason_of_a_wrong_row_is_shown_as_a_whole() {
+    let mut model = model("look");
+    let why = "`Nobody` is neither an address (such as Q4.0, MW20) nor a symbol of the program";
+    model.take(Incoming::News(Box::new(News { list: Some(1), wrong: vec![(2, why.to_string())], ..News::default() })));
+    assert!(!picture(&model).contains(why));
+    keys(&mut model, "↓↓");
+    assert!(picture(&model).contains(why));
+}
+
+#[test]
 fn keys_that_need_a_role_say_so_before_they_ask() {
     let mut model = model("look");
     let _ = model.orders().count();
