@@ -90,6 +90,14 @@ pub fn no_keyword_before_name(span: Span, keyword: &str, name: &str) -> Diagnost
         .help(format!("write `{keyword} {name}`"))
 }
 
+/// The message for a list of attributes before a block. `head`: the source from the keyword of the block on.
+pub fn attributes_before_block(span: Span, head: &str) -> Diagnostic {
+    let line = head.lines().next().unwrap_or(head).trim_end();
+    Diagnostic::new(Code::Tolerated, span, "the attributes of a block come after its name")
+        .label("skipped: no block has begun here")
+        .help(format!("write them in the line after `{line}`"))
+}
+
 /// The words that begin a line of a header.
 const HEADER_WORDS: [&str; 5] = ["TITLE", "VERSION", "AUTHOR", "FAMILY", "NAME"];
 

@@ -68,7 +68,7 @@ impl<'a> Classifier<'a, '_> {
             };
             match token.keyword {
                 _ if token.kind == RawKind::Semicolon => self.at += 1,
-                _ if token.kind == RawKind::LeftBrace && self.options() => {}
+                _ if token.kind == RawKind::LeftBrace && (self.options() || self.attributes_before_block()) => {}
                 Some(_) if self.block_begins(self.at) => {
                     self.file_pragmas(token.start);
                     self.block();

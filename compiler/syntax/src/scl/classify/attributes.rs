@@ -53,6 +53,22 @@ impl Classifier<'_, '_> {
         self.unclosed_attributes(opening);
     }
 
+    /// Goes past a list before the keyword of a block, where a block cannot have it; false: none is here.
+    pub(super) fn attributes_before_block(&mut self) -> bool {
+        let opening = self.raw[self.at];
+        let tokens = self.raw[self.at..].iter().take(LIST_MAX);
+        let length = tokens.take_while(|token| token.kind != RawKind::RightBrace).count();
+        let block = self.at + length + 1;
+        if self.kind_at(block - 1) != Some(RawKind::RightBrace) || !self.block_begins(block) {
+            return false;
+        }
+        self.at = block;
+        let head = &self.text[self.raw[block].start as usize..];
+        let message = front::frame::attributes_before_block(self.span(opening), head);
+        self.report(message);
+        true
+    }
+
     /// Reports a list without its end, and goes past its attributes. A text without its quote may have taken the end.
     fn unclosed_attributes(&mut self, opening: RawToken) {
         let mut open_text = None;

@@ -30,6 +30,9 @@ use crate::stl::mnemonics::{Detected, Upper};
 use crate::stl::raw::{self, RawKind, RawText};
 use crate::stl::token::Tok;
 
+/// A longer list of attributes before a block is not looked through for its end.
+const ATTRIBUTE_TOKENS_MAX: usize = 400;
+
 /// How deep STRUCTs may be nested. STEP 7 allows 8 levels; the rest is for other tools.
 const STRUCT_DEPTH_MAX: usize = 64;
 /// How many `ARRAY … OF` one declaration may have. STEP 7 allows one.
@@ -108,6 +111,7 @@ impl<'a> Classifier<'a, '_> {
             };
             match token.kind {
                 RawKind::Semicolon => self.at += 1,
+                RawKind::LeftBrace if self.attributes_before_block() => {}
                 _ if self.block_keyword(self.at).is_some() => {
                     self.file_pragmas(token.start);
                     self.block();
@@ -143,6 +147,22 @@ impl<'a> Classifier<'a, '_> {
         }
         let end = self.last_end();
         self.push(end, Tok::EndBlock, end);
+    }
+
+    /// Goes past a list of attributes before the keyword of a block, where a block cannot have it; false: none is here.
+    fn attributes_before_block(&mut self) -> bool {
+        let opening = self.raw[self.at];
+        let tokens = self.raw[self.at..].iter().take(ATTRIBUTE_TOKENS_MAX);
+        let length = tokens.take_while(|token| token.kind != RawKind::RightBrace).count();
+        let block = self.at + length + 1;
+        if self.kind_at(block - 1) != Some(RawKind::RightBrace) || self.block_keyword(block).is_none() {
+            return false;
+        }
+        self.at = block;
+        let head = &self.text[self.raw[block].start as usize..];
+        let message = frame::attributes_before_block(self.span(opening), head);
+        self.report(message);
+        true
     }
 
     // Raw tokens.
