@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use plcc_diag::Span;
-use plcc_syntax::ast::{Block, Code};
+use plcc_syntax::ast::{Block, Code, OperandKind, StatementKind as StlKind};
 use plcc_syntax::scl::ast::{Body, Statement, StatementKind};
 
 use crate::facts::same;
@@ -39,7 +39,7 @@ pub fn at<'c>(entry: Entry<'c>, words: &Words, at: usize) -> Option<Label<'c>> {
     let stands = |label: &Label| label.span.range() == range;
     let Some(body) = scl(entry) else {
         let label = of(entry).into_iter().find(|label| label.name == word)?;
-        return (stands(&label) || is_jump_target(words, at)).then_some(label);
+        return (stands(&label) || is_jump_target(entry, &range)).then_some(label);
     };
     // All statements are looked through only for a word that can be a label.
     let is_use = at > 0 && words.word(at - 1).eq_ignore_ascii_case("GOTO") || is_declared(body, &range);
@@ -79,7 +79,16 @@ fn collect<'c>(statements: &'c [Statement], found: &mut Vec<Label<'c>>) {
     }
 }
 
-/// Whether a label of STL is jumped to at a piece: a mnemonic is before it.
-fn is_jump_target(words: &Words, at: usize) -> bool {
-    at > 0 && !matches!(words.word(at - 1), "." | "#") && !words.first_on_line(at)
+/// Whether a piece of STL is the operand of a jump: other operands and parameters may have the name of a label.
+fn is_jump_target(entry: Entry, range: &Range<usize>) -> bool {
+    entry.statements().any(|statement| match &statement.kind {
+        StlKind::Instruction { operand: Some(operand), .. } => {
+            matches!(operand.kind, OperandKind::Label(_)) && operand.span.range() == *range
+        }
+        StlKind::Instruction { operand: None, .. }
+        | StlKind::Empty
+        | StlKind::Call(_)
+        | StlKind::Pragma(_)
+        | StlKind::Error => false,
+    })
 }

@@ -139,3 +139,19 @@ fn words_of_the_language_stay() {
         assert_eq!(rename(&mut editor, "words.scl", piece, to), Ok(edits));
     }
 }
+
+/// Of operands and parameters with the name of a label only those of jumps are the label.
+#[test]
+fn labels_and_variables_of_one_name_are_told_apart() {
+    let mut editor = Editor::new("words");
+    editor.open("jumps.stl");
+    assert_eq!(editor.messages("jumps.stl"), Vec::<String>::new());
+    for (piece, to, edits) in [
+        ("mo|re : INT", "rest", &["03 rest", "07 rest", "11 #rest", "20 rest"][..]),
+        ("JC    mo|re", "end", &["10 end", "13 end"]),
+        ("JU    mo|re", "end", &["19 end", "20 end"]),
+    ] {
+        let edits = edits.iter().map(|edit| format!("jumps.stl:{edit}")).collect();
+        assert_eq!(rename(&mut editor, "jumps.stl", piece, to), Ok(edits), "{piece}");
+    }
+}
