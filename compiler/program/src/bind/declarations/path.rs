@@ -110,7 +110,7 @@ impl Declarations<'_> {
     /// Determines what `path` means, and the variable indices that move a variable; reports unknown names.
     pub fn resolve(&mut self, ctx: &mut CurrentBlock, path: &Path) -> Option<(Resolved, Vec<ElementIndex>)> {
         let start = match &path.root {
-            PathRoot::Local { name, span } => match self.local(ctx, name) {
+            PathRoot::Local { name, span } => match self.local(ctx, name).or_else(|| self.own_value(ctx, name)) {
                 Some(variable) => Resolved::Variable(variable),
                 // As STEP 7 does: a `#` before a name that the block does not declare is ignored.
                 None if self.globals.names.symbols.contains_key(&fold(name)) => {
@@ -173,6 +173,14 @@ impl Declarations<'_> {
         let local = ctx.bound.locals.get(&fold(name))?;
         let (base, byte, bit, ty) = (local.base, local.byte, local.bit, local.ty.clone());
         Some(Variable { base, byte, bit, ty, untyped: false })
+    }
+
+    /// The value of the function itself, which the TIA Portal shows under the name of the function: `T #Sum`.
+    fn own_value(&self, ctx: &CurrentBlock, name: &str) -> Option<Variable> {
+        let prefix = kind_prefix(ctx.key.kind);
+        let is_own =
+            prefix == BlockPrefix::Fc && fold(&self.globals.names.block_name(prefix, ctx.key.number)) == fold(name);
+        if is_own { self.local(ctx, "RET_VAL") } else { None }
     }
 
     /// `#name` in SCL and networks, where only the block itself can declare it.
