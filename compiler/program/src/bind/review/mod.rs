@@ -14,6 +14,8 @@
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
 //! - [`opened`]: accesses in STL to another data block than the one that was opened.
+//! - [`numbers`]: whole numbers and REALs in one calculation in STL.
+//! - [`product`]: products of short whole numbers in SCL that become longer ones.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
 //! - [`outputs`]: outputs that two blocks assign in one cycle.
@@ -22,8 +24,8 @@
 //! - [`timers`]: IEC timers without a time.
 
 mod assigned;
-mod branches;
 mod bcd;
+mod branches;
 mod division;
 mod endless;
 mod indices;
@@ -35,6 +37,7 @@ mod numbers;
 mod opened;
 mod outputs;
 mod overlaps;
+mod product;
 mod recursion;
 mod region;
 mod stl;
@@ -87,6 +90,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                     itself::review(&body.statements, &text, &mut found);
                     joined::review(&body.statements, &text, &mut found);
                     negation::review(&body.statements, &text, &mut found);
+                    product::review(&body.statements, &text, &mut found);
                     indices::review(&body.statements, &text, &mut found);
                     assigned::review(&body.statements, &text, &mut found);
                 }

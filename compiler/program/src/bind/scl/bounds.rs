@@ -7,7 +7,15 @@ use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Function};
 
 /// Whether each value that an integer or bit string can have is one of type `ty` too.
 pub fn fits(expr: &Expr, ty: Elementary) -> bool {
-    let Some((low, high)) = of(expr).filter(|_| is_whole(ty)) else { return false };
+    is_whole(ty) && of(expr).is_some_and(|values| is_within(values, ty))
+}
+
+/// Whether each product of values of two integers is one of type `ty`, an integer.
+pub fn product_fits(left: &Expr, right: &Expr, ty: Elementary) -> bool {
+    binary(BinaryOp::Multiply, left, right).is_some_and(|values| is_within(values, ty))
+}
+
+fn is_within((low, high): (i128, i128), ty: Elementary) -> bool {
     let (least, greatest) = constant::range(ty);
     least <= low && high <= greatest
 }

@@ -20,7 +20,7 @@ mod address_numbers;
 mod arguments;
 mod array;
 pub(in crate::bind) mod assign;
-mod bounds;
+pub(in crate::bind) mod bounds;
 pub(in crate::bind) mod call;
 pub(in crate::bind) mod callee;
 mod case;
