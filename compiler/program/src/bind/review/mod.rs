@@ -14,7 +14,6 @@
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
 //! - [`opened`]: accesses in STL to another data block than the one that was opened.
-//! - [`numbers`]: whole numbers and REALs in one calculation in STL.
 //! - [`product`]: products of short whole numbers in SCL that become longer ones.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
