@@ -45,8 +45,11 @@ impl Declarations<'_> {
                     }
                 }
             };
+            let name = fold(&constant.name);
             if let Some(value) = value {
-                self.types.scope.constants.entry(fold(&constant.name)).or_insert(value);
+                self.types.scope.constants.entry(name).or_insert(value);
+            } else if !bound.locals.contains_key(&name) {
+                self.globals.told.constants.insert(name);
             }
         }
         self.constant_block(block, bound, data);

@@ -212,11 +212,10 @@ impl Declarations<'_> {
     }
 
     /// Whether the block declares a constant of that name, with a type or value that has been reported.
-    fn is_refused_constant(&self, ctx: &CurrentBlock, name: &str) -> bool {
+    pub fn is_refused_constant(&self, ctx: &CurrentBlock, name: &str) -> bool {
         let source = self.globals.sources.code.get(&ctx.key);
         let mut constants = source.into_iter().flat_map(|source| &source.block().constants);
-        constants.any(|constant| fold(&constant.name) == fold(name))
-            && self.globals.report.diagnostics.iter().any(Diagnostic::is_error)
+        self.globals.is_refused(name) && constants.any(|constant| fold(&constant.name) == fold(name))
     }
 
     /// What `#name` may mean: something else that the block has under a similar name, or a global name.

@@ -15,6 +15,8 @@ pub struct Told {
     pub cells: FxHashSet<(CellKind, u32)>,
     /// Tags of the system memory that nothing sets, folded.
     pub system_tags: FxHashSet<String>,
+    /// Constants of blocks whose type or value was reported, folded.
+    pub constants: FxHashSet<String>,
 }
 
 impl Globals<'_> {

@@ -119,6 +119,9 @@ impl Globals<'_> {
 
     /// A name that is not a constant. It may be undefined (`local`: only the block itself could define it), or mean something else.
     pub fn unknown_constant(&mut self, name: &str, local: bool, span: Span) {
+        if self.is_refused(name) {
+            return;
+        }
         if local || self.names.symbols.contains_key(&plcc_binding::fold(name)) {
             self.report.push(
                 Diagnostic::new(Code::ConstantRequired, span, format!("`{name}` is not a constant of this block"))
@@ -128,6 +131,12 @@ impl Globals<'_> {
             return;
         }
         self.report.missing_constant(name, span);
+    }
+
+    /// Whether some block declares a constant of that name, with a type or value that has been reported.
+    pub fn is_refused(&self, name: &str) -> bool {
+        let told = &self.told.constants;
+        !told.is_empty() && told.contains(&plcc_binding::fold(name)) && !self.report.is_clean()
     }
 
     fn no_constant(&mut self, span: Span, why: &str) {

@@ -42,6 +42,9 @@ impl SclBinder<'_, '_> {
             if let Some(constant) = ctx.block.bound.constants.get(&fold(text)) {
                 return Some(Thing::Constant(constant.clone()));
             }
+            if self.program.is_refused_constant(ctx.block, text) {
+                return None;
+            }
         }
         match name.form {
             NameForm::Local => {
