@@ -23,7 +23,12 @@ enum Part {
     Not,
     Open,
     Close,
+    /// A sign of other languages, and what an assertion has in its place.
+    Foreign(&'static str),
 }
+
+/// Signs of other languages, and what an assertion has in their place.
+const SIGNS: &[(&str, &str)] = &[("!=", "<>"), (":=", "=="), ("&&", "AND"), ("||", "OR")];
 
 /// Reads an operand from its range, and reports what is wrong with it.
 type SideReader<'s, S> = dyn FnMut(Range<usize>, &mut Vec<Diagnostic>) -> Option<S> + 's;
@@ -39,6 +44,10 @@ pub fn parse<S>(
     side: &mut SideReader<'_, S>,
 ) -> Option<Assertion<S>> {
     let parts = parts(source, range.clone());
+    if let Some((Part::Foreign(meant), place)) = parts.iter().find(|(part, _)| matches!(part, Part::Foreign(_))) {
+        diagnostics.push(foreign_sign(Span::new(file, place.clone()), &source[place.clone()], meant));
+        return None;
+    }
     let mut reader = Reader {
         file,
         source,
@@ -111,6 +120,14 @@ fn parts(source: &str, range: Range<usize>) -> Vec<(Part, Range<usize>)> {
                 at += length;
                 Part::Compare(op)
             }
+            _ if let Some((_, meant)) = SIGNS.iter().find(|(sign, _)| source[at..range.end].starts_with(sign)) => {
+                at += 2;
+                Part::Foreign(meant)
+            }
+            b';' if source[at + 1..range.end].trim().is_empty() => {
+                at = range.end;
+                Part::Foreign("")
+            }
             byte if is_word(byte) => {
                 while at < range.end && is_word(bytes[at]) {
                     at += 1;
@@ -135,6 +152,17 @@ fn parts(source: &str, range: Range<usize>) -> Vec<(Part, Range<usize>)> {
         }
     }
     parts
+}
+
+/// The message for a sign of other languages; an assertion has `meant` in its place, or nothing.
+fn foreign_sign(span: Span, sign: &str, meant: &str) -> Diagnostic {
+    let sign = sign.trim_end();
+    let (title, help) = match meant {
+        "" => ("an assertion has no `;` at its end".to_owned(), "remove it".to_owned()),
+        "AND" | "OR" => (format!("an assertion has `{meant}`, not `{sign}`"), format!("write `{meant}`")),
+        _ => (format!("an assertion compares with `{meant}`, not with `{sign}`"), format!("write `{meant}`")),
+    };
+    Diagnostic::new(Code::Pragma, span, title).label("a form of other languages").help(help)
 }
 
 struct Reader<'a, S> {
@@ -164,6 +192,19 @@ impl<S> Reader<'_, S> {
             Diagnostic::new(Code::Pragma, Span::new(self.file, place), "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
                 .help(HELP),
+        );
+        None
+    }
+
+    /// A side without a comparison after it.
+    fn not_compared(&mut self, side: Span) -> Option<Condition> {
+        let place = self.place();
+        let place = if place.is_empty() { side.range() } else { place };
+        let text = self.source.get(side.range()).unwrap_or_default();
+        self.diagnostics.push(
+            Diagnostic::new(Code::Pragma, Span::new(self.file, place), "plcc cannot read this assertion")
+                .label("an assertion is: operand, comparison, operand")
+                .help(format!("compare `{text}` with a value, a bit as in `{text} == 1`")),
         );
         None
     }
@@ -217,8 +258,7 @@ impl<S> Reader<'_, S> {
     fn comparison(&mut self) -> Option<Condition> {
         let left = self.operand()?;
         let Some((Part::Compare(op), place)) = self.parts.get(self.at).cloned() else {
-            let place = self.place();
-            return self.refuse(place);
+            return self.not_compared(left.span);
         };
         if &self.source[place.clone()] == "=" {
             self.diagnostics.push(
