@@ -11,6 +11,7 @@ use super::mnemonics::{self, Detected};
 use super::raw::{RawKind, RawToken};
 use super::token::Tok;
 use super::{pragma, suggest};
+use crate::Elementary;
 use crate::front::Classified;
 use crate::front::frame_words;
 use crate::front::pragma::{is_for_file, is_pragma};
@@ -433,8 +434,32 @@ impl<'a> Classifier<'a, '_> {
         let start = code.first().map_or(self.end, |token| token.range().start);
         self.push(start..start, Tok::Declaration);
         self.place = Where::Declaration;
-        self.operands(code);
+        if !self.without_colon(code) {
+            self.operands(code);
+        }
         self.place = Where::Statement;
+    }
+
+    /// `speed INT;`, read as `speed:INT;`.
+    fn without_colon(&mut self, code: &[RawToken]) -> bool {
+        let [name, ty, ..] = code else { return false };
+        let is_type = Elementary::from_word(&ty.text(self.text).to_ascii_uppercase()).is_some();
+        if name.kind != RawKind::Word || ty.kind != RawKind::Word || !is_type {
+            return false;
+        }
+        let (name_text, ty_text) = (name.text(self.text), ty.text(self.text));
+        let span = self.span(name.range().start..ty.range().end);
+        let title = format!("`:` is missing between `{name_text}` and its type");
+        self.report(
+            Diagnostic::new(Code::DeclarationSyntax, span, title)
+                .label("a name and a type")
+                .help(format!("write `{name_text}:{ty_text};`")),
+        );
+        self.operands(&code[..1]);
+        let end = name.range().end;
+        self.push(end..end, Tok::Colon);
+        self.operands(&code[1..]);
+        true
     }
 
     fn data(&mut self, code: &[RawToken]) {
@@ -449,7 +474,21 @@ impl<'a> Classifier<'a, '_> {
         };
         let start = first.range().start;
         self.push(start..start, Tok::Data(addressed));
-        let (address, values) = code.split_at(usize::from(addressed));
+        let (address, mut values) = code.split_at(usize::from(addressed));
+        if addressed
+            && let [sign, rest @ ..] = values
+            && matches!(sign.text(self.text), ":=" | "=")
+            && let Some(last) = rest.last()
+        {
+            let value = self.slice(rest[0].range().start..last.range().end);
+            let title = format!("a line of a data block has no `{}`", sign.text(self.text));
+            self.report(
+                Diagnostic::new(Code::ForeignForm, self.span(sign.range()), title)
+                    .label("a form of other languages")
+                    .help(format!("write `{} {value}`", first.text(self.text))),
+            );
+            values = rest;
+        }
         self.place = Where::DataAddress;
         self.operands(address);
         self.place = Where::DataValue;
