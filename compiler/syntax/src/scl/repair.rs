@@ -198,6 +198,7 @@ impl<'t> Repair<'t> {
                     if !(self.commented_divisor(token)
                         || self.absent_use(token)
                         || self.enumerated_value(token)
+                        || self.head_alone(token)
                         || self.number_label(token)
                         || self.foreign(token)
                         || self.hyphenated_use(token)

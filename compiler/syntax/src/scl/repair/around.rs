@@ -9,15 +9,14 @@ use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
+/// Tokens of a type after the name of a block, and the one after it.
+const TYPE_TOKENS_MAX: usize = 8;
+
 impl Repair<'_> {
     /// What stands around a block, or in its place.
     pub(super) fn around_blocks(&mut self, token: RawToken) -> bool {
         let outside = !self.statements_begun && token.first_on_line && self.brackets.is_empty();
-        outside
-            && (self.name_space(token)
-                || self.enumeration(token)
-                || self.structure_alone(token)
-                || self.number_alone(token))
+        outside && (self.name_space(token) || self.enumeration(token) || self.structure_alone(token))
     }
 
     /// `NAMESPACE Plant.Line … END_NAMESPACE`, `USING Plant.Line;`
@@ -111,36 +110,40 @@ impl Repair<'_> {
         None
     }
 
-    /// `FB 10` in a line of its own, before declarations.
-    fn number_alone(&mut self, token: RawToken) -> bool {
+    /// `FB 10`, `"Motor"` or `"Data" "Motor"` in a line of its own, before declarations: the first word of a block is missing.
+    pub(super) fn head_alone(&mut self, token: RawToken) -> bool {
         let at = self.at;
-        if token.kind != RawKind::Word || token.keyword.is_some() {
+        let outside = !self.statements_begun && token.first_on_line && self.brackets.is_empty();
+        if !outside || token.keyword.is_some() {
             return false;
         }
         let word = self.slice(token);
         let is_number = |number: RawToken| number.kind == RawKind::Number;
-        let (prefix, after) = match (address::numbered_block(word), address::block_prefix(word)) {
-            (Some((prefix, _)), _) => (prefix, at + 1),
-            (None, Some(prefix)) if self.beside(at + 1).is_some_and(is_number) => (prefix, at + 2),
-            (None, _) => return false,
+        let (prefix, after) = match (token.kind, address::numbered_block(word), address::block_prefix(word)) {
+            (RawKind::Quoted, ..) => (None, at + 1),
+            (RawKind::Word, Some((prefix, _)), _) => (Some(prefix), at + 1),
+            (RawKind::Word, None, Some(prefix)) if self.beside(at + 1).is_some_and(is_number) => (Some(prefix), at + 2),
+            _ => return false,
         };
-        let (keyword, end) = match prefix {
-            BlockPrefix::Ob => (Keyword::OrganizationBlock, Keyword::EndOrganizationBlock),
-            BlockPrefix::Fc => (Keyword::Function, Keyword::EndFunction),
-            BlockPrefix::Fb => (Keyword::FunctionBlock, Keyword::EndFunctionBlock),
-            BlockPrefix::Db => (Keyword::DataBlock, Keyword::EndDataBlock),
-            BlockPrefix::Udt => (Keyword::Type, Keyword::EndType),
-            BlockPrefix::Sfc | BlockPrefix::Sfb | BlockPrefix::Di | BlockPrefix::Vat => return false,
+        // The type of a function or of a data block.
+        let next = (after..after + TYPE_TOKENS_MAX).find(|index| self.ends_line(*index));
+        let Some(next) = next.filter(|next| self.header_goes_on(*next)) else { return false };
+        let frames = |word: &Keyword| word.ends_block() || word.begins_block();
+        let end = self.tokens[at..].iter().find_map(|token| token.keyword.filter(frames));
+        let (keyword, number) = match end {
+            Some(Keyword::EndOrganizationBlock) => (Keyword::OrganizationBlock, BlockPrefix::Ob),
+            Some(Keyword::EndFunction) => (Keyword::Function, BlockPrefix::Fc),
+            Some(Keyword::EndFunctionBlock) => (Keyword::FunctionBlock, BlockPrefix::Fb),
+            Some(Keyword::EndDataBlock) => (Keyword::DataBlock, BlockPrefix::Db),
+            Some(Keyword::EndType) => (Keyword::Type, BlockPrefix::Udt),
+            _ => return false,
         };
-        let typed = prefix == BlockPrefix::Fc && self.kind(after) == Some(RawKind::Colon);
-        let next = if typed { (after..).find(|index| self.ends_line(*index)).unwrap_or(after) } else { after };
-        let goes_on = self.ends_line(next)
-            && (matches!(self.kind(next), Some(RawKind::LeftBrace | RawKind::Title))
-                || self
-                    .keyword(next)
-                    .is_some_and(|word| word.begins_section() || matches!(word, Keyword::Begin | Keyword::Struct)));
-        let last = self.tokens[at..].iter().find_map(|token| token.keyword.filter(|word| word.ends_block()));
-        if !goes_on || last != Some(end) {
+        let has_type = match keyword {
+            Keyword::Function => next == after || self.kind(after) == Some(RawKind::Colon),
+            Keyword::DataBlock => next == after || matches!(self.kind(after), Some(RawKind::Quoted | RawKind::Word)),
+            _ => next == after,
+        };
+        if prefix.is_some_and(|prefix| prefix != number) || !has_type {
             return false;
         }
         let name = self.words(at, after - 1);
@@ -155,6 +158,12 @@ impl Repair<'_> {
         self.at = at + 1;
         self.last = Some(token);
         true
+    }
+
+    /// Whether a line of a header or of declarations begins at `at`.
+    fn header_goes_on(&self, at: usize) -> bool {
+        let begins = |word: Keyword| word.begins_section() || matches!(word, Keyword::Begin | Keyword::Struct);
+        matches!(self.kind(at), Some(RawKind::LeftBrace | RawKind::Title)) || self.keyword(at).is_some_and(begins)
     }
 
     /// Whether no token of the line before is at `at`.
