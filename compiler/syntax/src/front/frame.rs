@@ -76,6 +76,27 @@ pub fn implied_ob(code: BlockCode, span: Span) -> Block {
     })
 }
 
+/// Leaves out statements without a header that do not parse, next to an OB 1 with its header: the head of a block was damaged,
+/// and what its statements mean elsewhere would be reported, too. The messages are in the order of the text.
+pub fn drop_damaged_statements(blocks: &mut Vec<Block>, diagnostics: &[Diagnostic]) {
+    let ob1 = |block: &Block| match block {
+        Block::Code(CodeBlock { name: BlockName::Numbered { prefix: BlockPrefix::Ob, number: 1, span }, .. }) => {
+            Some(*span)
+        }
+        Block::Code(_) | Block::Data(_) | Block::Type(_) => None,
+    };
+    let is_bare = |block: &Block| ob1(block).is_some_and(|name| name.start == name.end);
+    if !blocks.iter().any(|block| ob1(block).is_some() && !is_bare(block)) {
+        return;
+    }
+    blocks.retain(|block| {
+        let span = block.span();
+        let first = diagnostics.partition_point(|told| told.primary.span.start < span.start);
+        let mut inside = diagnostics[first..].iter().take_while(|told| told.primary.span.start <= span.end);
+        !(is_bare(block) && inside.any(Diagnostic::is_error))
+    });
+}
+
 /// The message for `word`, which ends a block that no keyword began.
 pub fn never_began(span: Span, word: &str) -> Diagnostic {
     Diagnostic::new(Code::BlockFrame, span, format!("`{word}` ends a block that never began"))

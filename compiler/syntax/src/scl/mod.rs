@@ -80,7 +80,7 @@ fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -
     let mut state = ParseState::new(file, text, &classified.tokens, dialect)
         .with_comments(&raw.comments)
         .after(diagnostics.iter().filter(|diagnostic| diagnostic.is_error()));
-    let blocks = match grammar::UnitParser::new().parse(&mut state, classified.stream()) {
+    let mut blocks = match grammar::UnitParser::new().parse(&mut state, classified.stream()) {
         Ok(blocks) => blocks,
         Err(error) => {
             if diagnostics.is_empty() && state.diagnostics.is_empty() {
@@ -93,6 +93,7 @@ fn parse_raw(file: FileId, text: &str, raw: &raw::RawText, obey_pragmas: bool) -
     diagnostics.append(&mut state.diagnostics);
     front::drop_followers_of_comment(&raw.comments, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    front::frame::drop_damaged_statements(&mut blocks, &diagnostics);
     Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
 

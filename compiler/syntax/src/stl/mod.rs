@@ -101,7 +101,7 @@ fn parse_raw(
     let mut state = ParseState::new(file, text, &classified.tokens, detected.set)
         .with_comments(&raw.comments)
         .after(diagnostics.iter().chain(&classified.diagnostics));
-    let blocks = match grammar::UnitParser::new().parse(&mut state, classified.stream()) {
+    let mut blocks = match grammar::UnitParser::new().parse(&mut state, classified.stream()) {
         Ok(blocks) => blocks,
         Err(error) => {
             if diagnostics.is_empty() && classified.diagnostics.is_empty() && state.diagnostics.is_empty() {
@@ -124,6 +124,7 @@ fn parse_raw(
     }
     front::drop_followers_of_comment(&raw.comments, &mut diagnostics);
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
+    front::frame::drop_damaged_statements(&mut blocks, &diagnostics);
     Parsed { blocks, pragmas: classified.pragmas, diagnostics }
 }
 
