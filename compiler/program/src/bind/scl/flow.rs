@@ -9,6 +9,7 @@ use rustc_hash::FxHashSet;
 use super::scope::Label;
 use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::trees::SYSTEM_FILE;
 use plcc_binding::fold;
 use plcc_binding::similar;
 use plcc_model::LabelId;
@@ -77,7 +78,8 @@ impl SclBinder<'_, '_> {
         Some(label.id)
     }
 
-    /// Reports TEMP data that is read and never written, and of a function without a value. `empty`: the block has no statements.
+    /// Reports TEMP data that is read and never written, and a value and outputs of a function that are never set. `empty`: the block has
+    /// no statements.
     pub(in crate::bind) fn unused_data(&mut self, ctx: &mut SclBlock, block: &ast::CodeBlock, empty: bool) {
         let reads = std::mem::take(&mut ctx.scope.temp_reads);
         let supplied = ctx.block.bound.interface.start_bytes;
@@ -125,6 +127,31 @@ impl SclBinder<'_, '_> {
                 Diagnostic::new(Code::ValueNeverSet, block.name.span(), "the value of this function is never set")
                     .label("it is always 0")
                     .help(format!("assign it: `{name} := …;`, or make the function VOID")),
+            );
+        }
+        let is_text = matches!(block.code, ast::Code::Scl(_)) && block.name.span().file != SYSTEM_FILE;
+        if ctx.block.key.kind == BlockKind::Fc && is_text && !empty && !unread {
+            self.unset_outputs(ctx, block);
+        }
+    }
+
+    /// Reports the outputs of a function that no statement names.
+    fn unset_outputs(&mut self, ctx: &SclBlock, block: &ast::CodeBlock) {
+        let outputs = block.sections.iter().filter(|section| section.kind == ast::SectionKind::Output);
+        let views = block.sections.iter().flat_map(|section| &section.variables).filter_map(|view| view.at.as_ref());
+        let viewed: FxHashSet<String> = views.map(|(name, _)| fold(name)).collect();
+        for output in outputs.flat_map(|section| &section.variables) {
+            let name = fold(&output.name);
+            let mut parameters = ctx.block.bound.interface.parameters.iter();
+            let Some(index) = parameters.position(|parameter| fold(&parameter.name) == name) else { continue };
+            if output.at.is_some() || viewed.contains(&name) || ctx.scope.named_parameters.contains(&index) {
+                continue;
+            }
+            let name = &output.name;
+            self.program.report(
+                Diagnostic::new(Code::ValueNeverSet, output.name_span, format!("the output `{name}` is never set"))
+                    .label("the caller gets no value from it")
+                    .help(format!("assign it: `#{name} := …;`, or remove it")),
             );
         }
     }

@@ -139,9 +139,11 @@ impl SclBinder<'_, '_> {
                     Intent::Write | Intent::Both => ctx.scope.temp_writes.push((first, end)),
                 }
             }
-            path::Base::Parameter(index) if intent != Intent::Read => {
+            path::Base::Parameter(index) => {
+                ctx.scope.named_parameters.insert(index);
                 let parameter = ctx.block.bound.interface.parameters.get(index);
-                ctx.scope.value_set |= parameter.is_some_and(|parameter| parameter.name == "RET_VAL");
+                ctx.scope.value_set |=
+                    intent != Intent::Read && parameter.is_some_and(|parameter| parameter.name == "RET_VAL");
             }
             _ => {}
         }

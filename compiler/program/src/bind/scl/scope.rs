@@ -58,6 +58,8 @@ pub struct Scope {
     pub temp_writes: Vec<(u32, u32)>,
     /// The function's own value is assigned somewhere.
     pub value_set: bool,
+    /// The parameters of a function that its statements name.
+    pub named_parameters: FxHashSet<usize>,
     /// A statement could not be read, which is reported; what it assigns is unknown.
     pub unread: bool,
     /// Variables that no source declares, under names that no source can use: values of nets in LAD and FBD.
