@@ -63,6 +63,9 @@ impl SclBinder<'_, '_> {
         };
         if let Some(ty) = compared {
             self.decided_before(op, op_span, &left, &right, ty);
+            for side in [&left, &right] {
+                self.number_for_duration(ctx, side, ty);
+            }
             let left = self.convert(ctx, left, ty);
             let right = self.convert(ctx, right, ty);
             return Some(comparison(op, left?, right?, span));

@@ -156,7 +156,7 @@ impl SclBinder<'_, '_> {
         None
     }
 
-    /// Warns of a number that is assigned or passed to a duration. Source: SCL reference, implicit conversion.
+    /// Warns of a number that is assigned or passed to a duration, or compared with one. Source: SCL reference, implicit conversion.
     pub(super) fn number_for_duration(&mut self, ctx: &SclBlock, value: &Value, ty: Elementary) {
         let Value::Constant(Constant::Integer { value: number, .. }, span) = value else { return };
         let (own, unit) = match ty {
