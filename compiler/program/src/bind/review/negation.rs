@@ -1,4 +1,4 @@
-//! NOT before a comparison of bit strings in SCL: `NOT w = 16#1` compares the complement of `w`, as NOT comes first.
+//! NOT before a comparison of bit strings or integers in SCL: `NOT w = 16#1` compares the complement of `w`, as NOT comes first.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Statement, UnaryOp, walk};
@@ -19,7 +19,10 @@ impl walk::Visitor for Comparisons<'_> {
         let sign = match op {
             CompareOp::Equal => "=",
             CompareOp::NotEqual => "<>",
-            CompareOp::Less | CompareOp::LessEqual | CompareOp::Greater | CompareOp::GreaterEqual => return,
+            CompareOp::Less => "<",
+            CompareOp::LessEqual => "<=",
+            CompareOp::Greater => ">",
+            CompareOp::GreaterEqual => ">=",
         };
         let mut negation = &**left;
         while let ExprKind::Convert { operand, .. } = &negation.kind {
