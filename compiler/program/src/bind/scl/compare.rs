@@ -194,8 +194,9 @@ impl SclBinder<'_, '_> {
             (Some(number), None) => (op.turned(), right, number, left.span()),
             (None, None) | (Some(_), Some(_)) => return,
         };
+        let is_whole = |ty: Elementary| ty.is_integer() || (ty.class() == Class::Bits && ty != Elementary::Bool);
         let own = match Shape::of(value) {
-            Shape::Of(own) if own.is_integer() && ty.is_integer() => own,
+            Shape::Of(own) if is_whole(own) && is_whole(ty) => own,
             _ => return,
         };
         let (low, high) = constant::range(own);
@@ -225,6 +226,7 @@ impl SclBinder<'_, '_> {
         let word = if always { "TRUE" } else { "FALSE" };
         let label = match is_sign {
             true => format!("a value of type {} is never negative", own.name()),
+            false if own.class() == Class::Bits => format!("{} goes from 0 to 16#{high:X}", own.name()),
             false => rewrite::holds(own),
         };
         self.program.report(
