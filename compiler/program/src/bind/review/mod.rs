@@ -21,6 +21,7 @@
 //! - [`overlaps`]: addresses that share a part of their bytes.
 //! - [`recursion`]: blocks that call each other in each of their calls.
 //! - [`timers`]: IEC timers without a time.
+//! - [`unchanged`]: loops in SCL that change nothing in their condition.
 
 mod assigned;
 mod bcd;
@@ -43,6 +44,7 @@ mod stl;
 mod temporary;
 mod timers;
 mod tree;
+mod unchanged;
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::{BlockKey, Body, CodeBlock};
@@ -83,6 +85,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 if *language == Language::Scl {
                     endless::loops(&body.statements, &mut found);
                     let text = |span| program.globals.text(span);
+                    unchanged::review(&body.statements, &text, &mut found);
                     branches::review(&body.statements, &text, &mut found);
                     division::review(&body.statements, &text, &mut found);
                     instances::review(program, &body.statements, &mut found);

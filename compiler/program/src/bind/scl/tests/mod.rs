@@ -291,7 +291,8 @@ fn loops() {
     );
     check("FOR #i := 10 TO 1 BY -4 DO ; END_FOR;", "for S0.0 := INT#10 to INT#1 by INT#65532 {}");
     check("WHILE #b DO EXIT; END_WHILE;", "while S14.0 {exit}");
-    check("REPEAT CONTINUE; UNTIL #b END_REPEAT;", "repeat {continue} until S14.0");
+    check("REPEAT #b := #c; CONTINUE; UNTIL #b END_REPEAT;", "repeat {S14.0 := S14.1; continue} until S14.0");
+    codes(UNNAMED, "REPEAT CONTINUE; UNTIL #b END_REPEAT;", &["P0582"]);
     codes(UNNAMED, "EXIT;", &["P0524"]);
     codes(UNNAMED, "FOR #i := 0 TO 32767 DO ; END_FOR;", &["P0523"]);
     codes(UNNAMED, "FOR #i := 0 TO 32767 DO IF #b THEN EXIT; END_IF; END_FOR;", &[]);

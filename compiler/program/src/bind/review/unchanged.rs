@@ -1,0 +1,147 @@
+//! Loops in SCL that change nothing in their condition: `WHILE i < 10` without an assignment to `i`.
+//!
+//! Only conditions of temporary and static data count, in loops that call nothing and that no statement leaves.
+
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::scl::walk::{self, Role, Visitor};
+use plcc_model::scl::{Access, BinaryOp, Call, Expr, ExprKind, Statement, StatementKind, UnaryOp};
+
+use super::region::{Bits, Region};
+use crate::bind::scl::leaves;
+
+/// Reports the loops in `list` and in the lists inside it. `text`: what is written at a place.
+pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
+    for statement in list {
+        let parts = match &statement.kind {
+            StatementKind::While { condition, body } => Some((condition, body, "TRUE")),
+            StatementKind::Repeat { body, until } => Some((until, body, "FALSE")),
+            _ => None,
+        };
+        if let Some((condition, body, goes_on)) = parts
+            && !has_word(condition)
+            && !body.iter().any(leaves)
+            && let Some(first) = unchanged(condition, body)
+        {
+            found.push(
+                Diagnostic::new(Code::NothingLeaves, condition.span, "nothing in this loop changes its condition")
+                    .label(format!("once it is {goes_on}, it stays so"))
+                    .help(format!("assign to `{}` in the loop, or leave it with EXIT", text(first))),
+            );
+        }
+        statement.kind.bodies().into_iter().for_each(|body| review(body, text, found));
+    }
+}
+
+/// Whether TRUE or FALSE decides a condition, which has a message of its own.
+fn has_word(condition: &Expr) -> bool {
+    match &condition.kind {
+        ExprKind::Const(_) => true,
+        ExprKind::Binary { op: BinaryOp::And | BinaryOp::Or | BinaryOp::Xor, left, right } => {
+            has_word(left) || has_word(right)
+        }
+        ExprKind::Unary { op: UnaryOp::Not, operand } => has_word(operand),
+        _ => false,
+    }
+}
+
+/// The first variable of the condition, if nothing in `body` changes one of them.
+fn unchanged(condition: &Expr, body: &[Statement]) -> Option<Span> {
+    let mut reads = Reads::default();
+    walk::expr(condition, &mut reads);
+    let (_, first) = *reads.places.first().filter(|_| !reads.is_open)?;
+    let mut changes = Changes { places: &reads.places, found: false };
+    walk::statements(body, &mut changes);
+    (!changes.found).then_some(first)
+}
+
+/// What a condition reads.
+#[derive(Default)]
+struct Reads {
+    places: Vec<(Bits, Span)>,
+    /// It depends on something else, too.
+    is_open: bool,
+}
+
+impl Visitor for Reads {
+    fn expr(&mut self, value: &Expr) {
+        self.is_open |= is_open(value);
+    }
+
+    fn access(&mut self, access: &Access, _role: Role) {
+        match Bits::of(access) {
+            Some(bits) if matches!(bits.region, Region::L | Region::Instance) => self.places.push((bits, access.span)),
+            _ => self.is_open = true,
+        }
+    }
+}
+
+/// A value that does not depend on variables alone, or changes something.
+fn is_open(value: &Expr) -> bool {
+    matches!(
+        value.kind,
+        ExprKind::Call(_)
+            | ExprKind::Timer(_)
+            | ExprKind::Counter(_)
+            | ExprKind::Cell { .. }
+            | ExprKind::Flag
+            | ExprKind::LastEno
+            | ExprKind::Bound { .. }
+    )
+}
+
+/// Looks for a statement that may change one of some places.
+struct Changes<'r> {
+    places: &'r [(Bits, Span)],
+    found: bool,
+}
+
+impl Changes<'_> {
+    fn written(&mut self, target: &Access) {
+        self.found |= match Bits::of(target) {
+            // Another name may stand for static data.
+            Some(bits) => self.places.iter().any(|(place, _)| match (place.region, bits.region) {
+                (a, b) if a == b => place.first < bits.end && bits.first < place.end,
+                (Region::Instance, Region::I | Region::Q | Region::M | Region::L) => false,
+                (a, _) => a == Region::Instance,
+            }),
+            None => true,
+        };
+    }
+}
+
+impl Visitor for Changes<'_> {
+    fn statement(&mut self, statement: &Statement) {
+        match &statement.kind {
+            StatementKind::Assign { target, .. }
+            | StatementKind::AssignText { target, .. }
+            | StatementKind::Copy { target, .. }
+            | StatementKind::For { variable: target, .. } => self.written(target),
+            StatementKind::Call(_)
+            | StatementKind::Goto(_)
+            | StatementKind::Label(_)
+            | StatementKind::Sleep(_)
+            | StatementKind::Stl(_) => self.found = true,
+            StatementKind::SetFlag(_)
+            | StatementKind::Failed
+            | StatementKind::Watch(_)
+            | StatementKind::Evaluate(_)
+            | StatementKind::If { .. }
+            | StatementKind::Case { .. }
+            | StatementKind::While { .. }
+            | StatementKind::Repeat { .. }
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Assert(_)
+            | StatementKind::Apart => {}
+        }
+    }
+
+    fn expr(&mut self, value: &Expr) {
+        self.found |= matches!(value.kind, ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_));
+    }
+
+    fn call(&mut self, _call: &Call) {
+        self.found = true;
+    }
+}
