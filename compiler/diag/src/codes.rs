@@ -174,7 +174,7 @@ codes! {
     NoAcknowledgement = "P0581" Warning "a fault that nothing can acknowledge";
     NothingLeaves = "P0582" Warning "a loop that nothing leaves";
     IndexOfLoop = "P0583" Warning "a loop that goes beyond the bounds of an array";
-    WholeDivision = "P0584" Warning "a division of whole numbers that becomes a REAL";
+    WholeDivision = "P0584" Warning "a division of whole numbers that loses its fraction";
     NegatedSide = "P0585" Warning "a comparison of which only one side is negated";
     Project = "P0601" Error "a project file that cannot be used";
     UnknownCpu = "P0602" Error "a CPU that plcc does not know";

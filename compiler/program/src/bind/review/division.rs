@@ -1,4 +1,4 @@
-//! Divisions of whole numbers in SCL that become a REAL: `r := i / j` has lost its fraction before it is converted.
+//! Divisions of whole numbers in SCL that become a REAL, or are multiplied: `r := i / j` has lost its fraction before it is converted.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Statement, UnaryOp, walk};
@@ -65,6 +65,26 @@ impl Divisions<'_> {
         }
     }
 
+    /// A quotient of whole numbers that is multiplied: `i / j * 100` is 0 for each `i` below `j`. With a constant divisor, or the same number
+    /// as divisor and factor, the fraction is mostly meant to go.
+    fn multiplied(&mut self, left: &Expr, right: &Expr) {
+        let divided = |value: &Expr| matches!(value.kind, ExprKind::Binary { op: BinaryOp::Divide, .. });
+        let (quotient, factor) = if divided(left) { (left, right) } else { (right, left) };
+        let ExprKind::Binary { op: BinaryOp::Divide, left: dividend, right: divisor } = &quotient.kind else { return };
+        let sign = Span { end: divisor.span.start, start: dividend.span.end, ..quotient.span };
+        let (dividend, by, factor) = ((self.text)(dividend.span), (self.text)(divisor.span), (self.text)(factor.span));
+        let is_told = self.found.last().is_some_and(|last| last.primary.span == quotient.span);
+        let is_meant = matches!(divisor.kind, ExprKind::Const(_)) || by == factor || !(self.text)(sign).contains('/');
+        if is_told || is_meant {
+            return;
+        }
+        self.found.push(
+            Diagnostic::new(Code::WholeDivision, quotient.span, "this division has no fraction")
+                .label("both sides are whole numbers; only the whole part is multiplied")
+                .help(format!("multiply first, as in `{dividend} * {factor} / {by}`, or write DIV if that is meant")),
+        );
+    }
+
     /// `fraction`, `whole`: how the author writes a division with a fraction, and one without.
     fn report(&mut self, division: Span, ty: Elementary, fraction: &str, whole: &str) {
         self.found.push(
@@ -81,6 +101,11 @@ impl walk::Visitor for Divisions<'_> {
     }
 
     fn expr(&mut self, value: &Expr) {
+        if let ExprKind::Binary { op: BinaryOp::Multiply, left, right } = &value.kind
+            && value.ty.is_integer()
+        {
+            self.multiplied(left, right);
+        }
         if self.explicit || !value.ty.is_float() {
             return;
         }
