@@ -92,7 +92,7 @@ impl<'a> Classifier<'a, '_> {
                 let name = &self.text[start..end];
                 self.push(start, Tok::Name(name), end);
             }
-            RawKind::Percent if self.kind_at(self.at + 1) == Some(RawKind::Word) => self.at += 1,
+            RawKind::Percent if self.is_before_word(token) => self.at += 1,
             RawKind::EqualEqual
             | RawKind::NotEqual
             | RawKind::Greater
@@ -105,6 +105,11 @@ impl<'a> Classifier<'a, '_> {
                 None => self.stray(),
             },
         }
+    }
+
+    /// The `%` of `%MW10`, without a blank after it.
+    fn is_before_word(&self, percent: RawToken) -> bool {
+        self.raw_at(self.at + 1).is_some_and(|next| next.kind == RawKind::Word && next.start == percent.end)
     }
 
     /// `N7:0`, `B3:0/1` of other controllers.
