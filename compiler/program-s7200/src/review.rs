@@ -1,4 +1,5 @@
-//! Warnings about statements that are valid but useless: outputs that are assigned twice, code that is never reached, local memory that is read before it is written.
+//! Warnings about statements that are valid but useless: outputs that are assigned twice, code that is never reached, local memory that is
+//! read before it is written, timers that do not wait.
 //!
 //! A warning is given only where no path through the block makes the statement useful.
 
@@ -20,6 +21,7 @@ pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
             never_reached(&body.statements, &mut found);
             local_memory(body, blocks, &mut found);
             divisions(&body.statements, &mut found);
+            presets(&body.statements, &mut found);
             numbers::review(&body.statements, &mut found);
         }
     }
@@ -43,6 +45,27 @@ fn divisions(statements: &[Statement], found: &mut Vec<Diagnostic>) {
                     .help("the first operand is the divisor: write another number, or an address"),
             );
         }
+    }
+}
+
+/// Constant presets of timers and counters with which they do not wait.
+fn presets(statements: &[Statement], found: &mut Vec<Diagnostic>) {
+    for statement in statements {
+        let StatementKind::Instruction { insn, operands } = &statement.kind else { continue };
+        let [_, Operand::Const(bits)] = operands.as_slice() else { continue };
+        let preset = *bits as u16 as i16;
+        let (what, label) = match insn {
+            Insn::Ton | Insn::Tonr if preset <= 0 => ("timer", "its bit is on as soon as the timer is enabled"),
+            Insn::Tof if preset <= 0 => ("timer", "its bit goes off together with the input"),
+            Insn::Ctu | Insn::Ctud if preset < 0 => ("counter", "its bit is on before anything is counted"),
+            _ => continue,
+        };
+        let title = format!("the preset of this {what} is {preset}");
+        found.push(
+            Diagnostic::new(Code::TimerWithoutTime, statement.span, title)
+                .label(label)
+                .help("write a preset from 1 to 32767, or the address of one"),
+        );
     }
 }
 
