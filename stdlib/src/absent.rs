@@ -5,6 +5,8 @@
 //! the library comes first. Instructions that plcc has in some of its languages are not here: they are unknown only
 //! in the others.
 
+use crate::BlockClass;
+
 /// Instructions that stand together in a catalogue.
 #[derive(Debug)]
 pub struct Group {
@@ -231,6 +233,30 @@ const GROUPS: &[Group] = &[
     ]),
 ];
 
+/// System functions and function blocks of S7-300/400 CPUs that the library does not have.
+/// Source: System and standard functions for S7-300 and S7-400, list of SFCs and SFBs; CPU 312 IFM/314 IFM, integrated functions.
+#[rustfmt::skip]
+const NUMBERS: &[(BlockClass, &[(u16, &str)])] = &[
+    (BlockClass::Sfc, &[
+        (7, "DP_PRAL"), (11, "DPSYC_FR"), (12, "D_ACT_DP"), (35, "MP_ALM"), (54, "RD_DPARM"), (60, "GD_SND"), (61, "GD_RCV"),
+        (62, "CONTROL"), (63, "AB_CALL"), (65, "X_SEND"), (66, "X_RCV"), (67, "X_GET"), (68, "X_PUT"), (69, "X_ABORT"),
+        (72, "I_GET"), (73, "I_PUT"), (74, "I_ABORT"), (87, "C_DIAG"), (90, "H_CTRL"), (99, "WWW"), (103, "DP_TOPOL"),
+        (104, "CiR"), (105, "READ_SI"), (106, "DEL_SI"), (109, "PROTECT"), (112, "PN_IN"), (113, "PN_OUT"), (114, "PN_DP"),
+    ]),
+    (BlockClass::Sfb, &[
+        (16, "PRINT"), (19, "START"), (20, "STOP"), (21, "RESUME"), (22, "STATUS"), (23, "USTATUS"), (29, "HS_COUNT"),
+        (30, "FREQ_MES"), (38, "HSC_A_B"), (39, "POS"), (41, "CONT_C"), (42, "CONT_S"), (43, "PULSEGEN"), (44, "ANALOG"),
+        (46, "DIGITAL"), (47, "COUNT"), (48, "FREQUENC"), (49, "PULSE"), (60, "SEND_PTP"), (61, "RCV_PTP"), (62, "RES_RCVB"),
+        (63, "SEND_RK"), (64, "FETCH_RK"), (65, "SERVE_RK"), (73, "RCVREC"), (74, "PRVREC"), (104, "IP_CONF"),
+    ]),
+];
+
+/// The name of a block of S7-300/400 CPUs that the library does not have, by number.
+pub fn absent_system_block(class: BlockClass, number: u16) -> Option<&'static str> {
+    let (_, blocks) = NUMBERS.iter().find(|(own, _)| *own == class)?;
+    blocks.iter().find(|(own, _)| *own == number).map(|(_, name)| *name)
+}
+
 /// The group of the catalogues that has an instruction of this name, in any letter case, and the name as written there. None: no
 /// catalogue has it, or the library of plcc has it.
 pub fn catalogued(name: &str) -> Option<(&'static Group, &'static str)> {
@@ -270,6 +296,18 @@ mod tests {
         let absent: Vec<&&str> = shipped.iter().filter(|name| catalogued(name).is_some()).collect();
         assert_eq!(absent, Vec::<&&str>::new());
         assert!(shipped.contains(&"BLKMOV") && catalogued("RETTEN").is_some());
+    }
+
+    #[test]
+    fn blocks_that_the_library_has_are_not_absent() {
+        for (class, blocks) in NUMBERS {
+            for (number, name) in *blocks {
+                assert!(crate::find(*class, *number).is_none(), "{name}");
+            }
+        }
+        assert_eq!(absent_system_block(BlockClass::Sfc, 65), Some("X_SEND"));
+        assert_eq!(absent_system_block(BlockClass::Sfc, 20), None);
+        assert_eq!(absent_system_block(BlockClass::Fc, 65), None);
     }
 
     #[test]

@@ -293,6 +293,9 @@ impl Report {
     pub fn missing_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
         self.missing(MissingKey::Block(prefix, number), span, || {
             let name = format!("{} {number}", prefix.letters());
+            if let Some(message) = absent_system_block(prefix, number, &name, span) {
+                return message;
+            }
             let message = Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined"))
                 .label("no source of the program defines this block");
             // Low numbers are usually the user's own.
@@ -476,6 +479,23 @@ fn foreign_value(name: &str) -> Option<&'static str> {
         "none" | "nil" | "nullptr" => "NULL for a reference, FALSE for a BOOL, 0 for a number",
         _ => return None,
     })
+}
+
+/// The message for a block of S7-300/400 CPUs that plcc does not have. `shown`: its number with its letters.
+fn absent_system_block(prefix: BlockPrefix, number: u16, shown: &str, span: Span) -> Option<Diagnostic> {
+    use plcc_stdlib::BlockClass;
+    let class = match prefix {
+        BlockPrefix::Sfc => BlockClass::Sfc,
+        BlockPrefix::Sfb => BlockClass::Sfb,
+        _ => return None,
+    };
+    let name = plcc_stdlib::absent_system_block(class, number)?;
+    let help = match plcc_stdlib::find_name(name).filter(|block| block.class == BlockClass::Fb) {
+        Some(block) => format!("call FB {} `{name}` of the library, which does the same", block.number),
+        None => "avoid it, or call another block that does the same".to_string(),
+    };
+    let message = Diagnostic::new(Code::NotShipped, span, format!("{shown} `{name}` is not included yet"));
+    Some(message.label("plcc knows this block but does not include it").help(help))
 }
 
 /// The message for the name of an instruction that plcc does not have; none: no instruction has the name.
