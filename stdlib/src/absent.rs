@@ -143,7 +143,7 @@ const GROUPS: &[Group] = &[
     ]),
     tia("open user communication", &[
         "TMAIL_C", "TUSEND", "TURCV", "TCONSettings", "T_RESET", "T_DIAG", "TCON_Param", "TCON_IP_v4", "TCON_IP_v4_SEC", "TCON_QDN",
-        "TCON_QDN_SEC", "TCON_Configured", "TADDR_Param", "TSEND_V6", "CommConfig", "IP_CONF", "SEND_FTP", "FTP_CMD", "AG_SEND",
+        "TCON_QDN_SEC", "TADDR_Param", "TSEND_V6", "CommConfig", "IP_CONF", "SEND_FTP", "FTP_CMD", "AG_SEND",
         "AG_RECV", "AG_LSEND", "AG_LRECV", "AG_LOCK", "AG_UNLOCK", "AG_CNTRL", "AG_CNTEX", "LCC_Publisher", "LMQTT_Client",
         "LHTTP_Client", "SNMP_Get", "MQTT_Client",
     ]),
@@ -255,6 +255,22 @@ const NUMBERS: &[(BlockClass, &[(u16, &str)])] = &[
 pub fn absent_system_block(class: BlockClass, number: u16) -> Option<&'static str> {
     let (_, blocks) = NUMBERS.iter().find(|(own, _)| *own == class)?;
     blocks.iter().find(|(own, _)| *own == number).map(|(_, name)| *name)
+}
+
+/// Data types of the system that the TIA Portal has and plcc does not. Source: TIA Portal help, system data types, start information of
+/// organization blocks, open user communication, OPC UA.
+#[rustfmt::skip]
+const TYPES: &[&str] = &[
+    "SI_none", "SI_ProgramCycle", "SI_TimeOfDay", "SI_Delay", "SI_Cyclic", "SI_ProcessInterrupt", "SI_SynchCycle", "SI_TimeError",
+    "SI_DiagnosticInterrupt", "SI_PlugPullModule", "SI_StationFailure", "SI_Startup", "SI_ProgIOAccessError", "SI_Servo", "SI_Ipo",
+    "TCON_Configured", "TCON_IP_V6", "TADDR_SEND_QDN", "TADDR_RCV_IP", "TMail_V6", "TMail_V4_SEC", "TMail_V6_SEC", "TMail_QDN_SEC",
+    "IF_CONF_NTP", "IF_CONF_DNS", "OPC_UA_NodeId", "OPC_UA_SessionConnectInfo", "OPC_UA_NodeAdditionalInfo",
+];
+
+/// The name of a data type of the system that plcc does not have, as the TIA Portal writes it.
+pub fn absent_type(name: &str) -> Option<&'static str> {
+    let name = name.trim().trim_matches('"');
+    TYPES.iter().copied().find(|known| known.eq_ignore_ascii_case(name))
 }
 
 /// The group of the catalogues that has an instruction of this name, in any letter case, and the name as written there. None: no

@@ -12,7 +12,7 @@ mod library;
 
 use std::sync::OnceLock;
 
-pub use absent::{Group, absent_system_block, catalogued};
+pub use absent::{Group, absent_system_block, absent_type, catalogued};
 pub use library::{LIBRARY, LibraryBlock};
 
 /// Language of a source.

@@ -253,6 +253,12 @@ impl Report {
             if let Some(message) = block_without_number(shown, span).or_else(|| absent_instruction(name, span)) {
                 return message;
             }
+            if let Some(known) = plcc_stdlib::absent_type(name) {
+                let title = format!("`{known}` is a data type of the TIA Portal that plcc does not have");
+                return Diagnostic::new(Code::UnknownType, span, title)
+                    .label("a data type of the system")
+                    .help("write a data type with this name that has the components which the program uses");
+            }
             let title = format!("the data type `{shown}` is not defined");
             // A name in quotes is one of the program.
             let is_quoted = span.end - span.start == shown.len() as u32 + 2;
