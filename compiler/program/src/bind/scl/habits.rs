@@ -23,7 +23,7 @@ const FUNCTIONS: [(&[&str], &str); 14] = [
         &["malloc", "alloc", "free", "new", "append", "push"],
         "memory of a PLC is fixed: declare an ARRAY with the most elements that you need",
     ),
-    (&["pow", "power"], "write the operator `**`, as in `a ** b`"),
+    (&["pow", "power", "expt"], "write the operator `**`, as in `a ** b`"),
     (
         &["sizeof"],
         "SCL has no sizes in bytes: count elements with `CountOfElements`, or write the number as a constant",
