@@ -1,9 +1,11 @@
-//! Jump labels of STL and SCL.
+//! Jump labels of STL, SCL, LAD and FBD.
 
 use std::ops::Range;
 
 use plcc_diag::Span;
 use plcc_syntax::ast::{Block, Code, OperandKind, StatementKind as StlKind};
+use plcc_syntax::network::ast::{Content, Element, Network, PinValue, Target};
+use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::{Body, Statement, StatementKind};
 
 use crate::facts::same;
@@ -19,6 +21,16 @@ pub struct Label<'c> {
 
 /// The labels of a block.
 pub fn of(entry: Entry<'_>) -> Vec<Label<'_>> {
+    if let Some(networks) = graphic(entry) {
+        let mut found = Vec::new();
+        for network in networks {
+            found.extend(network.labels.iter().map(|label| Label { name: &label.text, span: label.span }));
+            if let Content::Scl(statements) = &network.content {
+                collect(statements, &mut found);
+            }
+        }
+        return found;
+    }
     let Some(body) = scl(entry) else {
         let labels = entry.statements().filter_map(|statement| statement.label.as_deref());
         return labels.map(|label| Label { name: &label.name, span: label.span }).collect();
@@ -37,12 +49,21 @@ pub fn of(entry: Entry<'_>) -> Vec<Label<'_>> {
 pub fn at<'c>(entry: Entry<'c>, words: &Words, at: usize) -> Option<Label<'c>> {
     let (word, range) = (words.word(at), words.range(at));
     let stands = |label: &Label| label.span.range() == range;
+    let is_goto = || at > 0 && words.word(at - 1).eq_ignore_ascii_case("GOTO");
+    if let Some(networks) = graphic(entry) {
+        let may_be = at > 0 && words.word(at - 1) == "(" || is_goto() || words.word(at + 1) == ":";
+        if !may_be {
+            return None;
+        }
+        let label = of(entry).into_iter().find(|label| label.name == word)?;
+        return (stands(&label) || is_goto() || is_coil_target(networks, &range)).then_some(label);
+    }
     let Some(body) = scl(entry) else {
         let label = of(entry).into_iter().find(|label| label.name == word)?;
         return (stands(&label) || is_jump_target(entry, &range)).then_some(label);
     };
     // All statements are looked through only for a word that can be a label.
-    let is_use = at > 0 && words.word(at - 1).eq_ignore_ascii_case("GOTO") || is_declared(body, &range);
+    let is_use = is_goto() || is_declared(body, &range);
     if !is_use && words.word(at + 1) != ":" {
         return None;
     }
@@ -63,6 +84,31 @@ fn scl(entry: Entry<'_>) -> Option<&Body> {
         },
         Block::Data(_) | Block::Type(_) => None,
     }
+}
+
+/// The networks of a block in LAD and FBD.
+fn graphic(entry: Entry<'_>) -> Option<&[Network]> {
+    match entry.block {
+        Block::Code(block) => match &block.code {
+            Code::Graphic(body) => Some(&body.networks[..]),
+            Code::Stl(_) | Code::Scl(_) | Code::Chart(_) => None,
+        },
+        Block::Data(_) | Block::Type(_) => None,
+    }
+}
+
+/// Whether a piece is the label of a jump in a rung.
+fn is_coil_target(networks: &[Network], range: &Range<usize>) -> bool {
+    let graphs = networks.iter().filter_map(|network| match &network.content {
+        Content::Graphic(graph) => Some(graph),
+        Content::Scl(_) | Content::Stl(_) => None,
+    });
+    let is_jump = |element: &&Element| matches!(&element.target, Target::Element { row, .. } if matches!(row.kind, Kind::Jump { .. }));
+    let mut pins = graphs.flat_map(|graph| &graph.elements).filter(is_jump).flat_map(|element| &element.pins);
+    pins.any(|pin| {
+        let is_it = matches!(&pin.value, PinValue::Operand(value) if value.span.range() == *range);
+        pin.name == "label" && is_it
+    })
 }
 
 fn is_declared(body: &Body, range: &Range<usize>) -> bool {

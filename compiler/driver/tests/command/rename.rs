@@ -154,4 +154,11 @@ fn labels_and_variables_of_one_name_are_told_apart() {
         let edits = edits.iter().map(|edit| format!("jumps.stl:{edit}")).collect();
         assert_eq!(rename(&mut editor, "jumps.stl", piece, to), Ok(edits), "{piece}");
     }
+    editor.open("lamps.s7dcl");
+    for (piece, to, edits) in
+        [("of|f : Bool", "low", &["03 low", "07 #low"][..]), ("JumpCoil( of|f", "low", &["07 low", "11 low"])]
+    {
+        let edits = edits.iter().map(|edit| format!("lamps.s7dcl:{edit}")).collect();
+        assert_eq!(rename(&mut editor, "lamps.s7dcl", piece, to), Ok(edits), "{piece}");
+    }
 }
