@@ -39,7 +39,7 @@ impl Writer<'_> {
         };
         let begin = self.trivia.word("BEGIN", block.name.span().end, first.unwrap_or(block.span.end));
         let start = block.sections.iter().map(|section| section.span.start).min().or(begin);
-        self.header(&block.header, Some(&block.name), start);
+        self.header(&block.header, &block.name, block.kind == CodeKind::Ob, start);
         for section in &block.sections {
             self.section(section);
         }
@@ -63,7 +63,7 @@ impl Writer<'_> {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => Some(ty.span.start),
             DataContent::Empty => None,
         };
-        self.header(&block.header, Some(&block.name), start);
+        self.header(&block.header, &block.name, false, start);
         match &content {
             DataContent::Struct(members) if block.retained.is_empty() => {
                 self.out.line("STRUCT");
@@ -115,7 +115,7 @@ impl Writer<'_> {
         } else {
             self.out.line(format!("TYPE {name}"));
             let start = block.members.first().map(|member| member.name_span.start);
-            self.header(&block.header, Some(&block.name), start);
+            self.header(&block.header, &block.name, false, start);
             self.out.line("STRUCT");
             self.variables(&block.members);
             self.out.line("END_STRUCT;");
@@ -124,8 +124,8 @@ impl Writer<'_> {
         self.out.line("END_TYPE");
     }
 
-    /// The lines after the name of a block; `start`: where the first declaration is.
-    fn header(&mut self, header: &Header, name: Option<&BlockName>, start: Option<u32>) {
+    /// The lines after the name of a block; `needs_number`: it is found by its number; `start`: where the first declaration is.
+    fn header(&mut self, header: &Header, name: &BlockName, needs_number: bool, start: Option<u32>) {
         if let Some(title) = &header.title {
             let quote = if self.notation == Notation::Scl && !title.contains('\'') { "'" } else { "" };
             self.out.line(format!("TITLE = {quote}{title}{quote}"));
@@ -136,7 +136,13 @@ impl Writer<'_> {
             "S7_Optimized" => Some(attribute("S7_Optimized_Access", value)),
             key => Some(attribute(key, value)),
         });
-        let list: Vec<String> = attributes.collect();
+        let mut list: Vec<String> = attributes.collect();
+        // A name has its number as in SIMATIC SD; one that the project chose says nothing to blocks that go by names.
+        let is_known = header.attributes.iter().any(|(key, _)| key.eq_ignore_ascii_case("S7_BlockNumber"));
+        let is_own = needs_number || !header.auto_number || self.notation == Notation::Stl;
+        if let (Some(number), BlockName::Symbol { .. }) = (header.number.filter(|_| is_own && !is_known), name) {
+            list.insert(0, attribute("S7_BlockNumber", &number.to_string()));
+        }
         if !list.is_empty() {
             self.out.line(format!("{{ {} }}", list.join("; ")));
         }
@@ -153,13 +159,6 @@ impl Writer<'_> {
             }
         }
         self.flags(header);
-        if let (Some(number), Some(BlockName::Symbol { span, .. })) = (header.number, name) {
-            self.warn(
-                *span,
-                format!("the number {number} of the block is not in the source"),
-                "the notation has a name or a number: give the number in the symbol table",
-            );
-        }
         let remarks = start.map_or_else(Vec::new, |start| self.trivia.before(start));
         let known: Vec<String> = remarks.iter().map(|remark| bare(&remark.text)).collect();
         for line in header.comment.iter().filter(|line| !known.contains(line)) {

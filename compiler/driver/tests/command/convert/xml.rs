@@ -284,3 +284,28 @@ fn start_values_of_elements_stay() {
         assert!(list.contains(found), "{found} in\n{list}");
     }
 }
+
+/// Numbers of blocks come back from XML, where each block has a name.
+#[test]
+fn numbers_of_exports_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu 315-2DP\nFUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n      L     5;\n      T     DB7.DBW 0;\nEND_FUNCTION\n\
+                  TYPE UDT 3\nSTRUCT\n  x : INT;\nEND_STRUCT;\nEND_TYPE\nDATA_BLOCK DB 7\nUDT 3\nBEGIN\nEND_DATA_BLOCK\n\
+                  ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      UC    FC 1;\n//@ assert DB7.DBW 0 == 5\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    for (from, to, name) in [("a.stl", "xml", "a.xml"), ("a.xml", "stl", "b.stl")] {
+        let made = plcc(folder, &["convert", from, "--to", to, "-o", name]);
+        assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
+    }
+    let list = fs::read_to_string(folder.join("b.stl")).expect("it is written");
+    for (block, number) in [("FUNCTION \"FC_1\"", 1), ("TYPE \"UDT_3\"", 3), ("DATA_BLOCK \"DB_7\"", 7)] {
+        let lines: Vec<&str> = list.lines().collect();
+        let at = lines.iter().position(|line| line.starts_with(block));
+        let next = at.and_then(|at| lines.get(at + 1)).copied();
+        assert_eq!(next, Some(format!("{{ S7_BlockNumber := '{number}' }}").as_str()), "{block} in\n{list}");
+    }
+    let tested = plcc(folder, &["test", "b.stl"]);
+    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(said.contains("1 passed, 0 failed"), "{said}{list}");
+}
