@@ -8,7 +8,7 @@ use crate::ast::*;
 use crate::front::frame::{self, HeaderPart};
 use crate::literal::Literal;
 use crate::scl;
-use crate::scl::ast::{Expr, ExprKind, UnaryOp};
+use crate::scl::ast::{Expr, ExprKind, Name, NameForm, UnaryOp};
 use crate::stl::messages::State;
 use crate::stl::token::{CodeKeyword, Tok};
 use crate::stl::{StlInsn, check};
@@ -304,6 +304,13 @@ pub fn long_literal(state: &State, (value, negative): (scl::ast::Literal, bool),
         constant = Expr { kind: ExprKind::Unary { op: UnaryOp::Minus, operand: Box::new(constant) }, span };
     }
     InitialValue { kind: InitialKind::Expr(Box::new(constant)), span }
+}
+
+/// `#MAX`: a constant of the block.
+pub fn local_constant(state: &State, name: &str, range: Range<usize>) -> InitialValue {
+    let span = state.span(range);
+    let name = Name { text: name.to_owned(), form: NameForm::Local, span };
+    InitialValue { kind: InitialKind::Expr(Box::new(Expr { kind: ExprKind::Name(name), span })), span }
 }
 
 /// `6 (0)`.

@@ -7,7 +7,7 @@ use plcc_binding::fold;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::layout;
 use plcc_model::types::DataType;
-use plcc_syntax::ast;
+use plcc_syntax::ast::{self, InitialKind};
 use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
@@ -134,12 +134,36 @@ impl Declarations<'_> {
 
     /// The value of a constant that STL declares, and where it is written; none of arrays and structures.
     fn stl_value(&mut self, initial: &ast::InitialValue) -> Option<(Option<Constant>, Span)> {
-        match &initial.kind {
-            ast::InitialKind::Literal(literal) => {
-                Some((self.globals.constant_of_stl(literal, initial.span), initial.span))
+        let constant = match &initial.kind {
+            InitialKind::Literal(literal) => self.globals.constant_of_stl(literal, initial.span),
+            InitialKind::Expr(value) => self.scope_constant(value),
+            InitialKind::Operand(kind) => {
+                let constant = self.constant_operand(kind);
+                if constant.is_none() {
+                    self.not_one_value(initial.span);
+                }
+                constant
             }
-            ast::InitialKind::Expr(value) => Some((self.scope_constant(value), initial.span)),
-            _ => None,
-        }
+            InitialKind::List(_) | InitialKind::Elements(_) | InitialKind::Repeat { .. } | InitialKind::Fields(_)
+                if !self.types.scope.scl =>
+            {
+                self.not_one_value(initial.span);
+                None
+            }
+            InitialKind::List(_)
+            | InitialKind::Elements(_)
+            | InitialKind::Repeat { .. }
+            | InitialKind::Fields(_)
+            | InitialKind::Default => return None,
+        };
+        Some((constant, initial.span))
+    }
+
+    fn not_one_value(&mut self, span: Span) {
+        self.report(
+            Diagnostic::new(Code::ConstantRequired, span, "a constant is expected here")
+                .label("not one value that is known at compile time")
+                .help("write one constant of STL, or the name of a constant of the program in quotes"),
+        );
     }
 }

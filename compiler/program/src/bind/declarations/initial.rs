@@ -30,9 +30,10 @@ impl Declarations<'_> {
             (_, DataType::Void) | (InitialKind::Default, _) => Some(()),
             (InitialKind::Fields(fields), _) if fields.is_empty() => Some(()),
             (kind, DataType::Parameter(parameter)) => self.encode_parameter(kind, *parameter, value.span, image, byte),
-            (InitialKind::Operand(_), _) => {
-                self.encode_bytes(Err(Mismatch::Type), "this operand", value.span, ty, image, byte, bit)
-            }
+            (InitialKind::Operand(kind), _) => match self.constant_operand(kind) {
+                Some(constant) => self.encode_constant(&constant, value.span, ty, image, byte, bit),
+                None => self.encode_bytes(Err(Mismatch::Type), "this operand", value.span, ty, image, byte, bit),
+            },
             (InitialKind::Literal(Literal::Text(text)), DataType::Array(array)) if is_char(&array.element) => {
                 self.encode_characters(text, array, value.span, image, byte)
             }
@@ -148,6 +149,12 @@ impl Declarations<'_> {
         let at = byte as usize;
         image.get_mut(at..at + bytes.len())?.copy_from_slice(&bytes);
         Some(())
+    }
+
+    /// The constant of the program whose name is a start value in STL: `"MAX"`.
+    pub(super) fn constant_operand(&self, kind: &OperandKind) -> Option<Constant> {
+        let OperandKind::Block(BlockName::Symbol { name, .. }) = kind else { return None };
+        self.globals.names.constants.get(&plcc_binding::fold(name)).cloned()
     }
 
     /// The number of a timer, counter or block; the inner `None`: it is of another kind. The outer one: it is reported.

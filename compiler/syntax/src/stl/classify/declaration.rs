@@ -302,6 +302,13 @@ impl<'a> Classifier<'a, '_> {
                 let name = unquoted(self.slice(token));
                 self.take(Tok::Quoted(name));
             }
+            RawKind::Hash
+                if matches!(self.last(), Some(Tok::Assign)) && self.kind_at(self.at + 1) == Some(RawKind::Word) =>
+            {
+                let after = self.at + 2;
+                let name = self.slice(self.raw[after - 1]);
+                self.take_up_to(Tok::Local(name), after);
+            }
             RawKind::Hash => self.at += 1,
             RawKind::Equal => self.equal_for_assign(),
             kind => match sign(kind) {
