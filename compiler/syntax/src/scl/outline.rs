@@ -42,7 +42,8 @@ pub fn outline(text: &str) -> Outline {
         let block = at..end;
         let code = if framed { scan.code(block.clone()) } else { block.clone() };
         modern |= scan.modern(at..code.start);
-        let language = scan.language(code);
+        // STL has no array data blocks, but a source of the TIA Portal may hold one next to its blocks in STL.
+        let language = if scan.is_array(block) { Some(Language::Scl) } else { scan.language(code) };
         blocks.push(OutlinedBlock { range: tokens[at].start as usize..tokens[end - 1].end as usize, language });
         at = end;
     }
@@ -173,10 +174,7 @@ impl Scan<'_> {
                 RawKind::LeftBracket => next == Some(RawKind::Star),
                 RawKind::Word => match token.keyword {
                     Some(Keyword::RefTo) => true,
-                    Some(Keyword::Array) => {
-                        // An array data block: nothing declares a name before it.
-                        index > 0 && self.kind(index - 1) != Some(RawKind::Colon) && !self.is_of(index - 1)
-                    }
+                    Some(Keyword::Array) => self.is_content(index),
                     Some(word) if word.begins_section() => {
                         let data = self.tokens[declarations.start].keyword == Some(Keyword::DataBlock);
                         let next = if next == Some(RawKind::Word) { self.slice(index + 1) } else { "" };
@@ -193,8 +191,20 @@ impl Scan<'_> {
         })
     }
 
-    fn is_of(&self, index: usize) -> bool {
-        self.tokens[index].keyword == Some(Keyword::Of)
+    /// Whether a block is an array data block: `ARRAY [` without a name before BEGIN.
+    fn is_array(&self, block: Range<usize>) -> bool {
+        self.tokens[block.start].keyword == Some(Keyword::DataBlock)
+            && block
+                .take_while(|index| self.tokens[*index].keyword != Some(Keyword::Begin))
+                .any(|index| self.is_content(index) && self.kind(index + 1) == Some(RawKind::LeftBracket))
+    }
+
+    /// `ARRAY` that no name and no `OF` is before.
+    fn is_content(&self, index: usize) -> bool {
+        let after = |before: usize| {
+            self.kind(before) == Some(RawKind::Colon) || self.tokens[before].keyword == Some(Keyword::Of)
+        };
+        self.tokens[index].keyword == Some(Keyword::Array) && index > 0 && !after(index - 1)
     }
 }
 
