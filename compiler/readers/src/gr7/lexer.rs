@@ -36,7 +36,7 @@ pub enum RawKind {
     /// `I0.0`, `I 0.0`, `DBX1.0` after a point, `%MW10`.
     #[regex(r"%[A-Za-z]+[0-9]*", percent)]
     Absolute,
-    /// A line of the head: `TITLE = …`, `AUTHOR : …`.
+    /// A line of the head: `TITLE = …`, `AUTHOR : …`, `KNOW_HOW_PROTECT`.
     Header,
     #[regex("\"[^\"\r\n]*\"")]
     Quoted,
@@ -172,6 +172,8 @@ fn word(lexer: &mut Lexer<RawKind>) -> RawKind {
         let line = rest[..line].find("(*$_").unwrap_or(line);
         lexer.bump(rest[..line].trim_end().len());
         return RawKind::Header;
+    } else if lexer.extras.0 && is(&["KNOW_HOW_PROTECT", "CODE_VERSION1"]) && ends_line(rest) {
+        return RawKind::Header;
     } else if is(&["END_FUNCTION_BLOCK", "INITIAL_STEP", "STEP", "TRANSITION", "SEQUENCE", "VAR"])
         || ["VAR_", "PERM_"]
             .iter()
@@ -191,6 +193,12 @@ fn is_field(field: &str, rest: &str) -> bool {
     ["AUTHOR", "FAMILY", "NAME", "VERSION"].iter().any(|known| known.eq_ignore_ascii_case(field))
         && next.first() == Some(&b':')
         && next.get(1) != Some(&b'=')
+}
+
+/// Whether nothing but a comment follows in the line.
+fn ends_line(rest: &str) -> bool {
+    let line = rest.trim_start_matches(BLANKS);
+    line.is_empty() || ["\n", "\r", "//", "(*"].iter().any(|start| line.starts_with(start))
 }
 
 /// A constant that begins with the word: its kind, and the number of bytes after the word that belong to it.
