@@ -60,6 +60,11 @@ pub fn say(text: &str) {
     line_free(&format!("plcc: {}\n", plcc_runtime::files::without_numbers(text)));
 }
 
+/// Writes a text of a program that runs to standard error, as it is.
+pub fn tell(text: &str) {
+    line_free(&format!("{}\n", plcc_runtime::files::without_numbers(text)));
+}
+
 /// Writes to standard error; a failure cannot be reported.
 fn line_free(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());

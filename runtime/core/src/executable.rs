@@ -139,7 +139,7 @@ fn usage(error: &clap::Error) -> c_int {
 }
 
 fn damaged(error: &str) -> c_int {
-    eprintln!("runtime: this executable is damaged: {error}");
+    crate::run::say!("runtime: this executable is damaged: {error}");
     c_int::from(crate::run::EXIT_USAGE)
 }
 

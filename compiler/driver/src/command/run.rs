@@ -22,11 +22,11 @@ pub fn run(args: &RunArgs) -> u8 {
         Ok((image, code)) => match args.services.open(&image, args.run.flags_only(), None) {
             Ok((service, opened)) => {
                 // For many CPUs clients are refused.
-                opened.iter().filter(|_| !args.run.is_many()).for_each(|line| eprintln!("{line}"));
+                opened.iter().filter(|_| !args.run.is_many()).for_each(|line| report::tell(line));
                 plcc_runtime::run::start(image, &*code, &args.run, service)
             }
             Err(message) => {
-                eprintln!("runtime: {}", plcc_runtime::files::without_numbers(&message));
+                report::tell(&format!("runtime: {message}"));
                 plcc_runtime::run::EXIT_USAGE
             }
         },

@@ -48,7 +48,7 @@ pub fn run(args: &RunArgs) -> u8 {
     let (service, opened) = match args.services.open(&image, false, Some(loader.clone())) {
         Ok(opened) => opened,
         Err(message) => {
-            eprintln!("runtime: {}", plcc_runtime::files::without_numbers(&message));
+            report::tell(&format!("runtime: {message}"));
             return EXIT_USAGE;
         }
     };

@@ -166,6 +166,18 @@ fn a_cold_restart_is_refused_where_the_cpu_has_none() {
     }
 }
 
+/// A log on a full disk is not a reason to stop.
+#[test]
+fn a_full_standard_error_stops_no_program() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("program.stl"), "      L     MW 0\n").expect("the folder can be written");
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("there is a full device");
+    let flags = ["run", "program.stl", "--cycles", "1", "--s7", "127.0.0.1:0", "--print", "MW0"];
+    let output = Command::new(PLCC).current_dir(folder.path()).args(flags).stderr(full).output().expect("plcc starts");
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "MW0 = 16#0000\n");
+}
+
 #[test]
 fn an_executable_without_services_says_how_it_gets_them() {
     let folder = tempfile::tempdir().expect("a temporary folder");

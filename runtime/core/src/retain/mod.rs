@@ -16,7 +16,6 @@ mod slots;
 mod writer;
 
 use std::cell::{Cell, RefCell};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -97,7 +96,7 @@ fn listed(names: &[String]) -> Option<String> {
 
 /// A message to the user; a closed standard error changes nothing.
 fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "runtime: {text}");
+    crate::run::say!("runtime: {text}");
 }
 
 impl Cpu {

@@ -15,7 +15,6 @@ pub(super) mod tests;
 mod transmitter;
 
 use std::cell::RefCell;
-use std::io::Write;
 
 use plcc_abi::s7200::error;
 
@@ -87,8 +86,7 @@ impl Cpu {
             }
             match Stream::open(&wanted.link) {
                 Ok(stream) => port.stream = Some(stream),
-                // A closed standard error must not stop a plant.
-                Err(message) => drop(writeln!(std::io::stderr(), "runtime: port {}: {message}", wanted.number)),
+                Err(message) => crate::run::say!("runtime: port {}: {message}", wanted.number),
             }
         }
     }

@@ -12,7 +12,6 @@ mod server;
 mod tests;
 
 use std::cell::{Cell, RefCell};
-use std::io::Write;
 
 use plcc_abi::s7200::{V_DB, error, pointer};
 
@@ -77,8 +76,7 @@ impl Cpu {
         if let (None, Some(address)) = (&*server, &own.config.listen) {
             match Server::new(address) {
                 Ok(new) => *server = Some(new),
-                // A closed standard error must not stop a plant.
-                Err(message) => drop(writeln!(std::io::stderr(), "runtime: network: {message}")),
+                Err(message) => crate::run::say!("runtime: network: {message}"),
             }
         }
     }
