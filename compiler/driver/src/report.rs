@@ -1,4 +1,4 @@
-//! Messages to standard error.
+//! Messages to standard error, data to standard output.
 
 use std::io::{IsTerminal, Write};
 
@@ -10,25 +10,33 @@ use crate::command::exit;
 /// Format of the messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum MessageFormat {
-    /// Text with source lines, for people.
+    /// Text with source lines, for people, on standard error.
     #[default]
     Human,
-    /// One JSON object per line.
+    /// One JSON object per line, on standard output.
     Json,
-    /// One SARIF 2.1.0 document.
+    /// One SARIF 2.1.0 document, on standard output.
     Sarif,
 }
 
-/// Writes all messages, sorted by file and place.
-pub fn messages(diagnostics: &mut [Diagnostic], sources: &SourceMap, format: MessageFormat) {
+/// Writes all messages for people, sorted by file and place.
+pub fn messages(diagnostics: &mut [Diagnostic], sources: &SourceMap) {
     plcc_diag::sort(diagnostics);
     let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let text = match format {
-        MessageFormat::Human => drawing::draw(diagnostics, sources, color),
-        MessageFormat::Json => json::lines(diagnostics, sources),
-        MessageFormat::Sarif => sarif::document(diagnostics, sources),
-    };
-    line_free(&text);
+    line_free(&drawing::draw(diagnostics, sources, color));
+}
+
+/// Writes all messages in a format. `Err`: the exit code, where standard output cannot be written.
+pub fn messages_as(diagnostics: &mut [Diagnostic], sources: &SourceMap, format: MessageFormat) -> Result<(), u8> {
+    plcc_diag::sort(diagnostics);
+    match format {
+        MessageFormat::Human => {
+            messages(diagnostics, sources);
+            Ok(())
+        }
+        MessageFormat::Json => print(&json::lines(diagnostics, sources)),
+        MessageFormat::Sarif => print(&sarif::document(diagnostics, sources)),
+    }
 }
 
 /// `2 errors, 1 warning`; empty if there are none. The line does not begin with the word error.

@@ -10,7 +10,7 @@ use crate::inputs::{self, Read};
 use crate::link::{Form, Runtime};
 use crate::package::{fmu, oci};
 use crate::pipeline::{self, Bound, Compiled, Settings};
-use crate::report::{self, MessageFormat};
+use crate::report;
 use crate::{drawings, emit, link, memory, statistics};
 
 /// Compiles and links, or writes an intermediate form.
@@ -41,7 +41,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
     if args.emit == Some(Emit::Ast) && !unreadable {
         let text = emit::ast(&parsed);
         let mut diagnostics = parsed.diagnostics;
-        report::messages(&mut diagnostics, &parsed.sources, MessageFormat::Human);
+        report::messages(&mut diagnostics, &parsed.sources);
         write_text(args.output.as_deref(), &text)?;
         return if diagnostics.iter().any(|d| d.is_error()) { Err(exit::COMPILE) } else { Ok(()) };
     }
@@ -88,7 +88,7 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
 
 /// Reports the messages of a program; an error ends the command, and so does a warning that the settings refuse.
 pub fn accepted(mut bound: Bound, unreadable: bool, settings: &Settings) -> Result<Bound, u8> {
-    report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
+    report::messages(&mut bound.diagnostics, &bound.sources);
     if bound.has_errors() {
         report::say(&report::summary(&bound.diagnostics));
         return Err(if unreadable { exit::USAGE } else { exit::COMPILE });

@@ -18,7 +18,9 @@ pub fn check(args: &CheckArgs) -> u8 {
     let require_main = read.project.is_some() && !settings.is_partial(read.project.as_ref());
     let settings = pipeline::Settings { require_main, ..settings };
     let mut bound = pipeline::front(read, &settings);
-    report::messages(&mut bound.diagnostics, &bound.sources, args.message_format);
+    if let Err(code) = report::messages_as(&mut bound.diagnostics, &bound.sources, args.message_format) {
+        return code;
+    }
     if args.message_format == MessageFormat::Human && !bound.diagnostics.is_empty() {
         report::say(&report::summary(&bound.diagnostics));
     }

@@ -32,7 +32,6 @@ use companions::Companion;
 
 use super::exit;
 use crate::cli::{ConvertArgs, ConvertTo};
-use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
 
 /// A source in its new notation.
@@ -173,7 +172,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             }
         }
     }
-    report::messages(&mut messages, &parsed.sources, MessageFormat::Human);
+    report::messages(&mut messages, &parsed.sources);
     if unreadable {
         return exit::USAGE;
     }
@@ -270,7 +269,7 @@ fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -
         return Ok(bound);
     }
     bound.diagnostics.retain(Diagnostic::is_error);
-    report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
+    report::messages(&mut bound.diagnostics, &bound.sources);
     report::say(&report::summary(&bound.diagnostics));
     Err(exit::COMPILE)
 }

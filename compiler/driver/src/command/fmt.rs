@@ -11,7 +11,7 @@ use plcc_syntax::{CodePage, Form, decode_as};
 
 use crate::cli::FmtArgs;
 use crate::command::exit;
-use crate::report::{self, MessageFormat};
+use crate::report;
 use crate::{inputs, pipeline};
 
 /// Lays out all sources. Returns 3 if one has errors, 2 if one cannot be read or written, 1 if one would change and only a check
@@ -73,7 +73,7 @@ fn file(path: &Path, named: bool, args: &FmtArgs) -> Result<bool, u8> {
             let mut sources = SourceMap::default();
             let file = sources.add(SourceFile::new(name, text));
             debug_assert_eq!(file, FileId::default(), "the messages are about the first file");
-            report::messages(&mut messages, &sources, MessageFormat::Human);
+            report::messages(&mut messages, &sources);
             return Err(exit::COMPILE);
         }
     };

@@ -20,7 +20,7 @@ pub fn station(folder: &Path) -> u8 {
         .filter(|d| read.sources.file(d.primary.span.file).name.ends_with(FILE_NAME))
         .cloned()
         .collect();
-    report::messages(&mut diagnostics, &read.sources, report::MessageFormat::Human);
+    report::messages(&mut diagnostics, &read.sources);
     if diagnostics.iter().any(plcc_diag::Diagnostic::is_error) {
         return exit::COMPILE;
     }

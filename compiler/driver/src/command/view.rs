@@ -15,7 +15,7 @@ use crate::cli::ViewArgs;
 use crate::command::exit;
 use crate::inputs::Read;
 use crate::pipeline::{Bound, Settings};
-use crate::report::{self, MessageFormat};
+use crate::report;
 use crate::{drawings, inputs, pipeline};
 
 /// Draws a program, as far as it could be read. Returns 3 if it has errors.
@@ -33,7 +33,7 @@ pub fn view(args: &ViewArgs) -> u8 {
             return exit::USAGE;
         }
     };
-    report::messages(&mut drawn.bound.diagnostics, &drawn.bound.sources, MessageFormat::Human);
+    report::messages(&mut drawn.bound.diagnostics, &drawn.bound.sources);
     let Drawn { book, names, bound, state, values } = drawn;
     let drawn = |folder: &PathBuf| write_folder(&book, folder, values.as_ref()).map(tell_of_none);
     let folder = args.output.as_ref().map_or(Ok(()), drawn);

@@ -166,6 +166,19 @@ fn a_cold_restart_is_refused_where_the_cpu_has_none() {
     }
 }
 
+#[test]
+fn messages_for_other_programs_are_on_standard_output() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("program.stl"), "      A     MW 0\n").expect("the folder can be written");
+    for (format, begin) in [("json", "{"), ("sarif", "{\n  \"$schema\"")] {
+        let output = command(PLCC, folder.path(), &["check", "program.stl", "--message-format", format]);
+        assert_eq!(output.status.code(), Some(3));
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(text.starts_with(begin) && text.contains("P0203"), "{text}");
+        assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
 /// A log on a full disk is not a reason to stop.
 #[test]
 fn a_full_standard_error_stops_no_program() {

@@ -9,7 +9,6 @@ use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use super::{Converted, bound, companions, store};
 use crate::cli::{ConvertArgs, Level};
 use crate::command::exit;
-use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
 
 /// Edits of the sources, in the order of these.
@@ -26,7 +25,7 @@ pub(super) fn write(args: &ConvertArgs, to: To) -> u8 {
     messages.retain(Diagnostic::is_error);
     messages.extend(parsed.units.iter().filter_map(|(file, _)| without_text(*file, &parsed)));
     if !messages.is_empty() {
-        report::messages(&mut messages, &parsed.sources, MessageFormat::Human);
+        report::messages(&mut messages, &parsed.sources);
         report::say(&report::summary(&messages));
         return if unreadable { exit::USAGE } else { exit::COMPILE };
     }
@@ -46,7 +45,7 @@ pub(super) fn write(args: &ConvertArgs, to: To) -> u8 {
         Err(code) => return code,
     };
     messages.extend(stays);
-    report::messages(&mut messages, &parsed.sources, MessageFormat::Human);
+    report::messages(&mut messages, &parsed.sources);
     let files: Vec<Converted> = edits
         .iter()
         .filter(|(file, _)| !companions::is_made(&parsed.sources.file(*file).name))
@@ -112,7 +111,7 @@ fn settle(
             stays.extend(taken_back(message, &after, parsed, edits));
         }
         if stays.len() == count {
-            report::messages(&mut after.diagnostics, &after.sources, MessageFormat::Human);
+            report::messages(&mut after.diagnostics, &after.sources);
             report::say("the sources would not compile, so nothing is written");
             return Err(exit::COMPILE);
         }

@@ -6,7 +6,6 @@ use plcc_model::profile;
 
 use crate::cli::ConvertArgs;
 use crate::command::exit;
-use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
 
 /// Writes what the CPUs of a family have of a program.
@@ -21,7 +20,7 @@ pub(super) fn report(args: &ConvertArgs, family: &str) -> u8 {
     let mut bound = pipeline::front(read, &settings);
     if bound.has_errors() {
         bound.diagnostics.retain(Diagnostic::is_error);
-        report::messages(&mut bound.diagnostics, &bound.sources, MessageFormat::Human);
+        report::messages(&mut bound.diagnostics, &bound.sources);
         report::say(&report::summary(&bound.diagnostics));
         return if unreadable { exit::USAGE } else { exit::COMPILE };
     }

@@ -14,7 +14,6 @@ use plcc_syntax::{scl, stl};
 
 use super::{Converted, bound, exit, has, name_by_files, other_family, remarks, store, whole_blocks};
 use crate::cli::{ConvertArgs, ConvertTo};
-use crate::report::MessageFormat;
 use crate::{inputs, pipeline, report};
 
 /// Writes the program as one project.
@@ -50,7 +49,7 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
         let name = args.inputs.first().map_or_else(String::new, |path| path.to_string_lossy().into_owned());
         files.push(Converted { name, text, beside: Vec::new() });
     }
-    report::messages(&mut messages, &parsed.sources, MessageFormat::Human);
+    report::messages(&mut messages, &parsed.sources);
     if messages.iter().any(Diagnostic::is_error) {
         report::say(&report::summary(&messages));
         return exit::COMPILE;
