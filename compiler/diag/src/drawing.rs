@@ -53,16 +53,25 @@ fn draw_one(diagnostic: &Diagnostic, sources: &SourceMap, color: bool) -> String
 /// Title, place and help without the source line.
 fn draw_short(diagnostic: &Diagnostic, sources: &SourceMap) -> String {
     let file = sources.file(diagnostic.primary.span.file);
-    let (line, column) = file.line_column(diagnostic.primary.span.start);
+    let place = match file.text.is_empty() {
+        // A folder, a file that is not there, or a workbook.
+        true => file.name.clone(),
+        false => {
+            let (line, column) = file.line_column(diagnostic.primary.span.start);
+            format!("{}:{line}:{column}", file.name)
+        }
+    };
     let mut text = format!(
-        "{}[{}]: {}\n  = {}:{line}:{column}\n",
+        "{}[{}]: {}\n  ┌─ {place}\n",
         severity_word(diagnostic.severity),
         diagnostic.code.name(),
         one_line(&diagnostic.title),
-        file.name
     );
-    for note in [&diagnostic.primary.text].into_iter().chain(&diagnostic.help).filter(|note| !note.is_empty()) {
-        text.push_str(&format!("  = {}\n", one_line(note)));
+    if !diagnostic.primary.text.is_empty() {
+        text.push_str(&format!("  = {}\n", one_line(&diagnostic.primary.text)));
+    }
+    if let Some(help) = &diagnostic.help {
+        text.push_str(&format!("  = help: {}\n", one_line(help)));
     }
     for line in diagnostic.note.iter().flat_map(|note| note.lines()) {
         text.push_str(format!("    {}", one_line(line)).trim_end());
@@ -231,7 +240,9 @@ mod tests {
         }
         let (sources, message) = sample(&"A ".repeat(500), 12..17);
         let text = draw(&[message], &sources, false);
-        assert!(text.contains("FC12.stl:1:13") && text.len() < 300);
+        assert!(text.contains("  ┌─ FC12.stl:1:13\n") && text.len() < 300);
+        let (sources, message) = sample("", 0..0);
+        assert!(draw(&[message], &sources, false).contains("  ┌─ FC12.stl\n"), "nothing is at its line 1");
     }
 
     #[test]
