@@ -56,7 +56,7 @@ impl Cpu {
             return Err("the CPU is in STOP, which has no cycle: modify at once".to_string());
         }
         if !rows.is_empty() && self.tape().is_some() {
-            return Err("while the run is recorded or repeated, values are modified at once only".to_string());
+            return Err("while the run is recorded or repeated, values can only be modified at once".to_string());
         }
         rows.iter().try_for_each(|row| self.check_modifiable(&row.settled))?;
         for row in &rows {

@@ -65,13 +65,13 @@ pub fn plain(message: &str, place: &str, line: &str) -> Wrong {
     }
     if let Some((name, _)) = quoted_after(message, "duplicate field ") {
         return wrong(
-            format!("the key `{name}` is here twice, under two names"),
+            format!("the key `{name}` appears twice, under two names"),
             "remove one of them: both mean the same".to_owned(),
         );
     }
     if message.starts_with("duplicate key") {
         let key = place.split(['=', ']']).next().unwrap_or_default().trim();
-        return wrong(format!("`{key}` is here twice"), "remove one of them".to_owned());
+        return wrong(format!("`{key}` appears twice"), "remove one of them".to_owned());
     }
     if message.starts_with("wanted string or table") {
         return no_word(line.split('#').next().unwrap_or_default());
@@ -629,7 +629,7 @@ mod tests {
         same(quotes, "sources = main.stl", "a text is written in quotation marks", "write `sources = [\"main.stl\"]`");
         let number = "invalid type: floating point `100.0`, expected i64";
         same(number, "", "a whole number is expected here, not the number 100.0", "write `100`");
-        let twice = "the key `clock_memory` is here twice, under two names";
+        let twice = "the key `clock_memory` appears twice, under two names";
         same("duplicate field `clock_memory`", "", twice, "remove one of them: both mean the same");
     }
 

@@ -63,7 +63,7 @@ fn keep_before(path: &Path) -> String {
     name.push(".old");
     let old = PathBuf::from(name);
     match slots::check(&old).is_ok() && std::fs::copy(path, &old).is_ok() {
-        true => format!("; what it had is kept in {}", old.display()),
+        true => format!("; its old contents are kept in {}", old.display()),
         false => String::new(),
     }
 }

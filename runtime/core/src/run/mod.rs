@@ -327,7 +327,9 @@ fn realtime(options: &RunOptions) -> Result<(), String> {
     match (options.realtime, options.clock) {
         (false, _) => Ok(()),
         (true, ClockKind::Real) => realtime::enter(),
-        (true, ClockKind::Virtual) => Err("the virtual clock does not wait; leave out one of both flags".to_string()),
+        (true, ClockKind::Virtual) => {
+            Err("the virtual clock does not wait; leave out one of the two flags".to_string())
+        }
     }
 }
 
