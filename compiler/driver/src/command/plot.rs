@@ -36,7 +36,7 @@ pub fn plot(args: &PlotArgs) -> u8 {
 
 fn write(output: &Path, text: &str) -> u8 {
     match writable(output).and_then(|()| std::fs::write(output, text)) {
-        Ok(()) => exit::OK,
+        Ok(()) => report::print(&format!("wrote {}\n", output.display())).err().unwrap_or(exit::OK),
         Err(error) => fail(&format!("cannot write `{}`: {error}", output.display())),
     }
 }

@@ -1,8 +1,9 @@
 //! `plcc view`.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use plcc_literal::count::counted;
 use plcc_literal::duration;
 use plcc_runtime::files::{regular, writable};
 use plcc_view::book::{self, Body, Book};
@@ -24,6 +25,10 @@ pub fn view(args: &ViewArgs) -> u8 {
         Ok(inputs) => inputs,
         Err(code) => return code,
     };
+    if let Some(told) = args.output.as_deref().and_then(not_a_folder) {
+        report::say(&told);
+        return exit::USAGE;
+    }
     let read = inputs::read_as(&inputs, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let mut drawn = match draw(read, &Settings::new(&args.compile), args.state.as_deref()) {
@@ -35,16 +40,22 @@ pub fn view(args: &ViewArgs) -> u8 {
     };
     report::messages(&mut drawn.bound.diagnostics, &drawn.bound.sources);
     let Drawn { book, names, bound, state, values } = drawn;
-    let drawn = |folder: &PathBuf| write_folder(&book, folder, values.as_ref()).map(tell_of_none);
-    let folder = args.output.as_ref().map_or(Ok(()), drawn);
+    let folder = args.output.as_ref().map_or(Ok(0), |folder| write_folder(&book, folder, values.as_ref()));
     let html = args.html.as_ref().map_or(Ok(()), |path| {
         let reference = (!bound.has_errors()).then(|| drawings::reference(&bound));
         let state = state.as_ref().map(|(trace, time)| (trace, *time));
         write(path, &page::document(&book, &names, state, reference.as_ref()))
     });
-    if let Err(message) = folder.and(html) {
-        report::say(&message);
-        return exit::USAGE;
+    match folder.and_then(|pictures| html.map(|()| pictures)) {
+        Ok(pictures) => {
+            if let Err(code) = tell(args, pictures) {
+                return code;
+            }
+        }
+        Err(message) => {
+            report::say(&message);
+            return exit::USAGE;
+        }
     }
     match (unreadable, bound.has_errors()) {
         (true, _) => exit::USAGE,
@@ -98,10 +109,32 @@ fn state(text: &str, names: &Names) -> Result<(Trace, Option<f64>), String> {
     Ok((Trace::parse(&text, names).map_err(|error| format!("{}: {error}", path.display()))?, time))
 }
 
-/// Says why a folder has no drawings.
-fn tell_of_none(drawings: usize) {
-    if drawings == 0 {
-        report::say("there are no networks and no charts to draw; `--html FILE.html` shows code as well");
+/// The message for `-o plant.svg`, which would become the name of a folder.
+fn not_a_folder(output: &Path) -> Option<String> {
+    let ends_in = |ending: &str| output.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
+    let help = match (ends_in("svg"), ends_in("html")) {
+        _ if output.is_dir() => return None,
+        (true, _) => "name a folder, which gets a picture for each network and chart".to_string(),
+        (false, true) => format!("write `--html {}` for one page", output.display()),
+        (false, false) => return None,
+    };
+    Some(format!("-o {}: this is a file; {help}", output.display()))
+}
+
+/// Says what was written, or why a folder has no pictures. `Err`: the exit code, where standard output cannot be written.
+fn tell(args: &ViewArgs, pictures: usize) -> Result<(), u8> {
+    match (&args.output, pictures) {
+        (Some(_), 0) => {
+            report::say("there are no networks and no charts to draw; `--html FILE.html` shows code as well");
+        }
+        (Some(folder), _) => {
+            report::print(&format!("wrote {} to {}\n", counted(pictures, "picture"), folder.display()))?;
+        }
+        (None, _) => {}
+    }
+    match &args.html {
+        Some(page) => report::print(&format!("wrote {}\n", page.display())),
+        None => Ok(()),
     }
 }
 

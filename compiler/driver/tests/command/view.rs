@@ -58,6 +58,25 @@ fn a_view_without_an_output_names_both_kinds() {
 }
 
 #[test]
+fn a_view_says_what_it_has_written() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("lamp.stl"), "      A     I 0.0\n      =     Q 4.0\n").expect("the folder can be written");
+    for (flags, status, says) in [
+        (&["-o", "pictures", "--html", "lamp.html"][..], 0, "wrote 1 picture to pictures\nwrote lamp.html\n"),
+        (&["-o", "lamp.svg"], 2, "plcc: -o lamp.svg: this is a file; name a folder"),
+        (&["-o", "page.html"], 2, "plcc: -o page.html: this is a file; write `--html page.html` for one page"),
+    ] {
+        let arguments = [&["view", "lamp.stl"], flags].concat();
+        let output = Command::new(PLCC).current_dir(folder).args(&arguments).output().expect("plcc starts");
+        let said = if status == 0 { &output.stdout } else { &output.stderr };
+        assert_eq!(output.status.code(), Some(status));
+        assert!(String::from_utf8_lossy(said).starts_with(says), "{}", String::from_utf8_lossy(said));
+    }
+    assert!(!folder.join("lamp.svg").exists());
+}
+
+#[test]
 fn a_folder_without_drawings_is_explained() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
