@@ -4,8 +4,11 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use clap::CommandFactory;
 use plcc_runtime::address;
 use plcc_runtime::options::split_list;
+
+use crate::cli::Cli;
 
 /// Flags with several values, separated by commas.
 const LISTS: [&str; 3] = ["--set", "--print", "--trace-signals"];
@@ -63,13 +66,18 @@ pub fn fault(args: &[OsString]) -> Option<String> {
     None
 }
 
-/// `plcc main.scl`
+/// `plcc main.scl`, `plcc tank`
 fn source_for_command(first: &str) -> Option<String> {
     const SOURCES: [&str; 7] = ["stl", "awl", "scl", "gr7", "s7dcl", "xml", "toml"];
     let path = Path::new(first);
     let suffix = path.extension().map(|suffix| suffix.to_string_lossy().to_ascii_lowercase());
-    let is_source =
-        suffix.is_some_and(|suffix| SOURCES.contains(&suffix.as_str())) || first.contains('/') && path.exists();
+    let is_command = || {
+        let mut words = COMMANDS.iter().map(|(word, _)| *word).chain(["help"]);
+        words.any(|word| word == first) || Cli::command().get_subcommands().any(|command| command.get_name() == first)
+    };
+    let is_source = suffix.is_some_and(|suffix| SOURCES.contains(&suffix.as_str()))
+        || first.contains('/') && path.exists()
+        || path.is_dir() && !is_command();
     is_source.then(|| {
         format!(
             "`{first}` is not a command: write `plcc check {first}` to look for mistakes, `plcc run {first}` to run it, \

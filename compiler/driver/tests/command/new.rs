@@ -30,6 +30,8 @@ fn a_new_project_builds_and_passes_its_test() {
         done(&project, &["build", "--deny", "warnings", "--quiet"]);
         assert!(project.join(&name).is_file());
     }
+    let refused = String::from_utf8_lossy(&plcc(folder.path(), &["plant 224"]).stderr).into_owned();
+    assert!(refused.starts_with("plcc: `plant 224` is not a command: write `plcc check plant 224`"), "{refused}");
     // What is there stays.
     fs::write(folder.path().join("plant 224/main.awl"), "LD I0.0\n").expect("the folder can be written");
     assert_eq!(plcc(folder.path(), &["new", "plant 224", "--cpu", "224"]).status.code(), Some(2));
