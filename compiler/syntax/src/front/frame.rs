@@ -119,6 +119,20 @@ pub fn attributes_before_block(span: Span, head: &str) -> Diagnostic {
         .help(format!("write them in the line after `{line}`"))
 }
 
+/// The message for the first declaration, at `span`, of a section without its first word. `word`: how it is read.
+pub fn no_section(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`{word}` is missing before the declarations"))
+        .label("the first declaration")
+        .help(format!("write `{word}` on a line before it, or the section that is meant, such as `VAR_INPUT`"))
+}
+
+/// The message for `word`, such as `END_VAR`, where no section is open.
+pub fn ends_no_section(span: Span, word: &str) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, span, format!("`{word}` ends no section"))
+        .label("no section is open here")
+        .help("remove it, or write the section that it ends")
+}
+
 /// The words that begin a line of a header.
 const HEADER_WORDS: [&str; 5] = ["TITLE", "VERSION", "AUTHOR", "FAMILY", "NAME"];
 

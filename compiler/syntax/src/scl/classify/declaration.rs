@@ -6,10 +6,13 @@ use plcc_literal::distance;
 use super::expression::Run;
 use super::{Classifier, unquoted};
 use crate::ast::{Retain, SectionKind};
-use crate::front::NESTING_MAX;
+use crate::front::{NESTING_MAX, frame};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
-use crate::scl::token::Tok;
+use crate::scl::token::{CodeKeyword, Tok};
+
+/// Tokens of a section without its first word.
+const SECTION_MAX: usize = 10_000;
 
 impl<'a> Classifier<'a, '_> {
     /// A section from its keyword to its end.
@@ -22,6 +25,51 @@ impl<'a> Classifier<'a, '_> {
             None => self.at += 1,
         }
         // A `;` after the end has no meaning.
+        if self.is_at(RawKind::Semicolon) {
+            self.at += 1;
+        }
+    }
+
+    /// Whether declarations up to END_VAR follow, before which no section begins.
+    pub(super) fn declarations_without_section(&self) -> bool {
+        if !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma)) {
+            return false;
+        }
+        let ends = |word: Keyword| {
+            word.ends_section()
+                || word.begins_section()
+                || word.ends_block()
+                || word.begins_statement()
+                || word == Keyword::Begin
+        };
+        let rest = self.raw[self.at..].iter().take(SECTION_MAX);
+        rest.filter_map(|token| token.keyword).find(|word| ends(*word)) == Some(Keyword::EndVar)
+    }
+
+    /// `speed : INT; … END_VAR` without its first word, which is reported.
+    pub(super) fn section_without_keyword(&mut self, first: RawToken) {
+        let blocks = self.out.iter().rev().find_map(|(_, token, _)| match token {
+            Tok::Code(keyword) => Some(*keyword),
+            _ => None,
+        });
+        let (kind, word) = match blocks {
+            Some(CodeKeyword::FunctionBlock) => (SectionKind::Static, "VAR"),
+            Some(CodeKeyword::Function | CodeKeyword::OrganizationBlock) | None => (SectionKind::Temp, "VAR_TEMP"),
+        };
+        self.report(frame::no_section(self.span(first), word));
+        let start = first.start as usize;
+        self.push(start, Tok::Section(kind, Retain::Unsaid), start);
+        self.declarations(0);
+        self.end_of_section(first, Keyword::EndVar);
+        if self.is_at(RawKind::Semicolon) {
+            self.at += 1;
+        }
+    }
+
+    /// `END_VAR` once more.
+    pub(super) fn ends_no_section(&mut self, end: RawToken) {
+        self.report(frame::ends_no_section(self.span(end), self.slice(end)));
+        self.at += 1;
         if self.is_at(RawKind::Semicolon) {
             self.at += 1;
         }

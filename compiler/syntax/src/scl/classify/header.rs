@@ -67,6 +67,13 @@ impl Classifier<'_, '_> {
                 (RawKind::LeftParen, _) if frame == Frame::Type && !has_content && self.enumeration(token) => {
                     has_content = true;
                 }
+                (RawKind::Word | RawKind::Local | RawKind::Quoted, _)
+                    if frame == Frame::Code && token.first_on_line && self.declarations_without_section() =>
+                {
+                    has_content = true;
+                    self.section_without_keyword(token);
+                }
+                (_, Some(Keyword::EndVar)) if frame == Frame::Code => self.ends_no_section(token),
                 _ if frame == Frame::Code && !has_content && self.header_goes_on() => self.skip_line_of_header(token),
                 _ if frame == Frame::Code => break,
                 _ => self.skip_in_header(frame),

@@ -5,9 +5,10 @@ use plcc_diag::{Code, Diagnostic};
 use super::{ARRAY_DEPTH_MAX, BRACKET_DEPTH_MAX, Classifier, STRUCT_DEPTH_MAX, is_end_of_block, is_section, unquoted};
 use crate::ast::SectionKind;
 use crate::elementary::Elementary;
+use crate::front::frame;
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
-use crate::stl::token::Tok;
+use crate::stl::token::{CodeKeyword, Tok};
 
 impl<'a> Classifier<'a, '_> {
     /// `VAR_INPUT … END_VAR`.
@@ -45,6 +46,43 @@ impl<'a> Classifier<'a, '_> {
         );
         let end = self.last_end();
         self.push(end, Tok::EndVar, end);
+    }
+
+    /// Whether declarations up to END_VAR follow, before which no section begins.
+    pub(super) fn declarations_without_section(&self) -> bool {
+        const SECTION_MAX: usize = 10_000;
+        if !matches!(self.kind_at(self.at + 1), Some(RawKind::Colon | RawKind::Comma)) {
+            return false;
+        }
+        let ends =
+            |word: &str| is_section(word) || is_end_of_block(word) || matches!(word, "END_VAR" | "BEGIN" | "NETWORK");
+        let mut words = (self.at..self.raw.len()).take(SECTION_MAX).map(|index| self.upper(index));
+        words.find(|word| ends(word.as_str())).is_some_and(|word| word.as_str() == "END_VAR")
+    }
+
+    /// `speed : INT; … END_VAR` without its first word, which is reported.
+    pub(super) fn section_without_keyword(&mut self, first: RawToken) {
+        let block = self.out.iter().rev().find_map(|(_, token, _)| match token {
+            Tok::Code(keyword) => Some(*keyword),
+            _ => None,
+        });
+        let (kind, word) = match block {
+            Some(CodeKeyword::FunctionBlock) => (SectionKind::Static, "VAR"),
+            Some(CodeKeyword::Function | CodeKeyword::OrganizationBlock) | None => (SectionKind::Temp, "VAR_TEMP"),
+        };
+        self.report(frame::no_section(self.span(first), word));
+        let start = first.start as usize;
+        self.push(start, Tok::Section(kind), start);
+        self.declarations(0);
+        let end = self.last_end();
+        if self.upper(self.at).as_str() == "END_VAR" {
+            self.take(Tok::EndVar);
+        } else {
+            self.push(end, Tok::EndVar, end);
+        }
+        if self.kind_at(self.at) == Some(RawKind::Semicolon) {
+            self.at += 1;
+        }
     }
 
     /// `STRUCT … END_STRUCT` of a data block or data type.

@@ -315,6 +315,19 @@ impl<'a> Classifier<'a, '_> {
                     has_content = true;
                     self.type_name();
                 }
+                RawKind::Word | RawKind::Quoted if frame == Frame::Code && self.declarations_without_section() => {
+                    self.section_without_keyword(token);
+                }
+                RawKind::Word if frame == Frame::Code && word == "END_VAR" => {
+                    self.report(frame::ends_no_section(self.span(token), self.slice(token)));
+                    self.at += 1;
+                }
+                _ if frame == Frame::Code && self.line_before_declarations() => {
+                    let help =
+                        "a header has TITLE, VERSION, AUTHOR, FAMILY and NAME; then come declarations and `BEGIN`";
+                    self.report(not_in_header(self.span(token), "header", self.slice(token), help));
+                    self.skip_line();
+                }
                 _ if frame == Frame::Code => {
                     let span = self.span(token);
                     self.report(
@@ -386,11 +399,24 @@ impl<'a> Classifier<'a, '_> {
         };
         let Some(message) = message else { return false };
         self.report(message);
+        self.skip_line();
+        true
+    }
+
+    fn skip_line(&mut self) {
         self.at += 1;
         while self.peek().is_some_and(|token| !token.first_on_line) {
             self.at += 1;
         }
-        true
+    }
+
+    /// Whether only the rest of this line is between the header and a section or BEGIN.
+    fn line_before_declarations(&self) -> bool {
+        let next = (self.at + 1..self.raw.len()).find(|index| self.raw[*index].first_on_line);
+        next.is_some_and(|next| {
+            let upper = self.upper(next);
+            is_section(upper.as_str()) || upper.as_str() == "BEGIN"
+        })
     }
 
     /// Skips text that no header has, up to the next line that begins with a known word.
