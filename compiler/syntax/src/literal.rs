@@ -239,6 +239,8 @@ mod tests {
         check("usint#16#FF", Literal::Int(255));
         check("LINT#-5", Literal::Int(-5));
         check("LREAL#0.5", Literal::Real(0.5));
+        check("0e-50", Literal::Real(0.0));
+        refuse("1.0e-50", Code::LiteralRange);
         refuse("SINT#128", Code::LiteralRange);
         refuse("UDINT#-1", Code::LiteralRange);
         refuse("W#A2EB", Code::BadLiteral);

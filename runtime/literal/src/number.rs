@@ -50,6 +50,12 @@ pub fn decimal(digits: &str) -> Option<i128> {
     Some(digits.fold(0, |number: i128, digit| number.saturating_mul(10).saturating_add(digit)))
 }
 
+/// Whether a decimal number such as `0.5` or `1e-50` has a digit that is not 0 before its exponent.
+pub fn is_not_zero(number: &str) -> bool {
+    let digits = number.split(['e', 'E']).next().unwrap_or_default();
+    digits.bytes().any(|digit| matches!(digit, b'1'..=b'9'))
+}
+
 /// As [`decimal`], with a sign or without.
 pub fn integer(text: &str) -> Option<i128> {
     match text.strip_prefix('-') {

@@ -4,6 +4,9 @@ use plcc_literal::number::{self, Fault};
 
 use super::{Literal, LiteralError};
 
+/// What to write for a number that is too close to 0.
+const SMALLEST: &str = "write `0.0`, or a number of 1.175495e-38 or more";
+
 /// `930`, `-5`, `1.5`, `1e3`.
 pub fn plain(text: &str) -> Result<Literal, LiteralError> {
     if text.contains(['.', 'e', 'E']) {
@@ -166,6 +169,9 @@ fn real(text: &str, value: &str) -> Result<f32, LiteralError> {
         digits.parse().map_err(|_| LiteralError::malformed(text, "not a REAL", "write a REAL as `1.5` or `1.5e+3`"))?;
     if !number.is_finite() || !digits.contains(|c: char| c.is_ascii_digit()) {
         return Err(LiteralError::range(text, "not a REAL", "a REAL is a number from -3.402823e+38 to 3.402823e+38"));
+    }
+    if number == 0.0 && number::is_not_zero(&digits) {
+        return Err(LiteralError::range(text, "closer to 0 than any REAL", SMALLEST));
     }
     Ok(number)
 }

@@ -41,6 +41,9 @@ pub fn integer(text: &str) -> Result<i64, ConstantError> {
 pub fn real(text: &str) -> Result<f32, ConstantError> {
     let digits: String = text.chars().filter(|c| *c != '_').collect();
     match digits.parse::<f32>() {
+        Ok(value) if value == 0.0 && number::is_not_zero(&digits) => {
+            Err(malformed("is closer to 0 than any REAL", "write `0.0`, or a number of 1.175495E-38 or more"))
+        }
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => {
             Err(too_large("is outside the range of REAL", "a REAL is a number from -3.402823E+38 to +3.402823E+38"))
@@ -207,6 +210,8 @@ mod tests {
         assert!(!based("T#5s", None).unwrap_err().range);
         assert_eq!(real("2.5E-3"), Ok(0.0025));
         assert!(real("1.0E39").unwrap_err().range);
+        assert_eq!(real("0.0E-50"), Ok(0.0));
+        assert!(real("1.0E-50").is_err());
     }
 
     #[test]

@@ -90,8 +90,8 @@ impl SclBinder<'_, '_> {
             },
             Constant::Real(value) => match ty.class() {
                 Class::Float => {
-                    if ty == Elementary::Real && (*value as f32).is_infinite() {
-                        self.infinite(rules, span);
+                    if ty == Elementary::Real {
+                        self.real_lost(rules, span, *value);
                     }
                     match self.program.globals.nearest(constant, ty, span) {
                         Constant::Typed { bits, .. } => give(bits),
@@ -176,22 +176,6 @@ impl SclBinder<'_, '_> {
         );
     }
 
-    /// A constant that is too large for a REAL. S7-SCL of STEP 7 V5 refuses it, the TIA Portal computes with infinity.
-    fn infinite(&mut self, rules: Rules, span: Span) {
-        let text = self.program.globals.text(span);
-        let (code, label) = match rules {
-            Rules::Classic => (Code::LiteralRange, "a REAL is a number from -3.402823e+38 to 3.402823e+38"),
-            Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => {
-                (Code::Narrowing, "it becomes infinite; a REAL is a number from -3.402823e+38 to 3.402823e+38")
-            }
-        };
-        self.program.report(
-            Diagnostic::new(code, span, format!("`{text}` does not fit type REAL"))
-                .label(label)
-                .help("give the variable the type LREAL, or write a value that fits"),
-        );
-    }
-
     /// A constant that loses bits in the type of its partner. S7-SCL of STEP 7 V5 refuses it, the TIA Portal computes with the low bits.
     ///
     /// Source: SCL reference, type of a literal: an integer literal has the type that can hold it.
@@ -219,6 +203,27 @@ impl SclBinder<'_, '_> {
         self.program.report(
             Diagnostic::new(code, span, format!("`{text}` does not fit type {}", ty.name())).label(label).help(help),
         );
+    }
+
+    /// Reports a number that a REAL cannot hold: it is infinite, or 0.
+    fn real_lost(&mut self, rules: Rules, span: Span, value: f64) {
+        let single = value as f32;
+        if single.is_finite() && (single != 0.0 || value == 0.0) {
+            return;
+        }
+        let text = self.program.globals.text(span);
+        let (code, label) = match rules {
+            Rules::Classic if single.is_finite() => (Code::LiteralRange, "closer to 0 than any REAL"),
+            Rules::Classic => (Code::LiteralRange, "a REAL is a number from -3.402823e+38 to 3.402823e+38"),
+            _ if single.is_finite() => (Code::Narrowing, "closer to 0 than any REAL: 0.0 remains"),
+            _ => (Code::Narrowing, "it becomes infinite; a REAL is a number from -3.402823e+38 to 3.402823e+38"),
+        };
+        let help = match rules {
+            Rules::Classic | Rules::Tia300 => "write a value that fits",
+            Rules::Tia1200 | Rules::Tia1500 => "give the variable the type LREAL, or write a value that fits",
+        };
+        let title = format!("`{text}` does not fit type REAL");
+        self.program.report(Diagnostic::new(code, span, title).label(label).help(help));
     }
 }
 
