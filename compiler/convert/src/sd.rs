@@ -81,7 +81,7 @@ impl Writer<'_> {
             let help = match &block.code {
                 Code::Stl(_) => "write it as networks first, with `--to lad` or `--to fbd`",
                 Code::Scl(_) => {
-                    "if its CPU has STL, write it with `--to stl` first, and that with `--to lad` or `--to fbd`"
+                    "if its CPU has STL, convert it with `--to stl`, and the result with `--to lad` or `--to fbd`"
                 }
                 Code::Chart(_) | Code::Graphic(_) => "leave it as it is: plcc builds charts and networks together",
             };

@@ -178,9 +178,9 @@ pub struct BuildArgs {
     /// Write an intermediate form instead of an executable, a unit of a co-simulation (`fmu`) or a container image (`oci`).
     #[arg(long, value_name = "KIND")]
     pub emit: Option<Emit>,
-    /// With `--emit fmu`: version of the Functional Mock-up Interface.
-    #[arg(long, value_name = "VERSION", default_value = "2")]
-    pub fmi: Version,
+    /// With `--emit fmu`: version of the Functional Mock-up Interface [default: 2].
+    #[arg(long, value_name = "VERSION")]
+    pub fmi: Option<Version>,
     /// Make an executable that needs no dynamic library.
     #[arg(long = "static", conflicts_with_all = ["emit", "print_after", "stats"])]
     pub is_static: bool,

@@ -32,6 +32,10 @@ fn build_read(args: &BuildArgs, read: Read, name: &str) -> Result<(), u8> {
         report::say(&format!("unknown pass `{pass}`; the passes are {}", plcc_opt::passes().join(", ")));
         return Err(exit::USAGE);
     }
+    if args.fmi.is_some() && args.emit != Some(Emit::Fmu) {
+        report::say("--fmi is for a unit of a co-simulation: add --emit fmu");
+        return Err(exit::USAGE);
+    }
     let unreadable = read.is_unreadable();
     let settings = Settings { require_main: true, ..Settings::new(&args.compile) };
     if args.emit == Some(Emit::Tokens) && !unreadable {
@@ -176,7 +180,8 @@ fn write_unit(compiled: &Compiled, args: &BuildArgs, name: &str) -> Result<(), u
     let output = checked_output(args, &format!("{name}.fmu"), "the unit")?;
     let library = link::link_bytes(Form::Unit, &[object(compiled)?], args.linker.as_deref());
     let library = library.map_err(|error| unlinked(&error))?;
-    let (bytes, left_out) = fmu::pack(&compiled.image, &library, args.fmi).map_err(|error| internal(&error))?;
+    let version = args.fmi.unwrap_or(fmu::Version::V2);
+    let (bytes, left_out) = fmu::pack(&compiled.image, &library, version).map_err(|error| internal(&error))?;
     if left_out > 0 {
         let left_out = plcc_literal::count::counted(left_out, "value");
         report::say(&format!("the unit does not show {left_out} of data blocks: there are too many"));

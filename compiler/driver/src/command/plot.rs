@@ -17,7 +17,11 @@ pub fn plot(args: &PlotArgs) -> u8 {
         Err(error) => return fail(&format!("cannot read `{trace}`: {error}")),
     };
     let output = args.output.clone().unwrap_or_else(|| args.trace.with_extension("svg"));
-    if output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+    let ends_in = |wanted: &str| output.extension().is_some_and(|own| own.eq_ignore_ascii_case(wanted));
+    if !ends_in("svg") && !ends_in("html") {
+        return fail(&format!("`{}` must end in .svg, for a picture, or in .html, for a page", output.display()));
+    }
+    if ends_in("html") {
         let title = args.title.clone().unwrap_or_else(|| trace.to_string());
         // A trace that cannot be drawn as a picture is none here either.
         return match plot::picture(&text, "") {

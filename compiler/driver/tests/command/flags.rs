@@ -283,6 +283,22 @@ fn a_trace_has_timers_counters_and_what_is_not_in_an_image() {
 }
 
 #[test]
+fn flags_that_would_do_nothing_are_refused() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("program.stl"), "      L     MW 0\n").expect("the folder can be written");
+    std::fs::write(folder.path().join("t.csv"), "cycle,time_ms,MW0\n1,0,16#0000\n").expect("the folder can be written");
+    for (arguments, says) in [
+        (&["plot", "t.csv", "-o", "t.png"][..], "plcc: `t.png` must end in .svg, for a picture, or in .html"),
+        (&["build", "program.stl", "--fmi", "3"], "plcc: --fmi is for a unit of a co-simulation: add --emit fmu"),
+    ] {
+        let output = command(PLCC, folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(String::from_utf8_lossy(&output.stderr).starts_with(says), "{arguments:?}");
+    }
+    assert!(!folder.path().join("t.png").exists() && !folder.path().join("program").exists());
+}
+
+#[test]
 fn a_trace_that_is_a_pipe_is_not_drawn() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     assert!(command("mkfifo", folder.path(), &["pipe.csv"]).status.success());

@@ -307,5 +307,5 @@ fn blocks_without_networks_say_what_comes_first() {
     let output = plcc(folder, &["convert", "a.scl", "--to", "lad"]);
     assert_eq!(output.status.code(), Some(3));
     let said = text(&output.stderr);
-    assert!(said.contains("write it with `--to stl` first, and that with `--to lad`"), "{said}");
+    assert!(said.contains("convert it with `--to stl`, and the result with `--to lad`"), "{said}");
 }
