@@ -187,12 +187,18 @@ impl SclBinder<'_, '_> {
                 None
             }
             NodeKind::Binary { op: Operator::Equal, op_span, left, right } => {
-                let (target, value) = (self.program.globals.text(left.span), self.program.globals.text(right.span));
+                let text = |span| self.program.globals.text(span);
+                let help = if matches!(left.kind, NodeKind::Literal(_)) && is_variable(right) {
+                    format!("to assign write `{} := {};`", text(right.span), text(left.span))
+                } else {
+                    let whole = text(node.span);
+                    format!("use the result, as in `IF {whole} THEN`, or assign it to a variable with `:=`")
+                };
                 ctx.scope.value_set = true;
                 self.program.report(
                     Diagnostic::new(Code::AssignSign, *op_span, "this compares and does nothing with the result")
                         .label("a comparison")
-                        .help(format!("to assign write `{target} := {value};`")),
+                        .help(help),
                 );
                 None
             }
@@ -398,19 +404,23 @@ fn hole(ctx: &SclBlock, callee: &Node) -> Option<Vec<Statement>> {
 fn compared_first(node: &Node) -> Option<(&Node, Span)> {
     let mut current = node;
     while let NodeKind::Binary { op, left, op_span, .. } = &current.kind {
-        let is_variable = matches!(
-            left.kind,
-            NodeKind::Name(_)
-                | NodeKind::Absolute(_)
-                | NodeKind::Member { .. }
-                | NodeKind::MemberAbsolute { .. }
-                | NodeKind::Slice { .. }
-                | NodeKind::Index { .. }
-        );
-        if *op == Operator::Equal && is_variable {
+        if *op == Operator::Equal && is_variable(left) {
             return (left.span.start == node.span.start).then_some((&**left, *op_span));
         }
         current = left;
     }
     None
+}
+
+/// Whether the node is what can stand before `:=`.
+fn is_variable(node: &Node) -> bool {
+    matches!(
+        node.kind,
+        NodeKind::Name(_)
+            | NodeKind::Absolute(_)
+            | NodeKind::Member { .. }
+            | NodeKind::MemberAbsolute { .. }
+            | NodeKind::Slice { .. }
+            | NodeKind::Index { .. }
+    )
 }
