@@ -133,7 +133,10 @@ impl<'a> Declarations<'a> {
             }
             TypeKind::Block(name) => self.block_type(name, used),
             TypeKind::Error => None,
-            TypeKind::Reference(target) => self.reference_type(target, ty.span),
+            TypeKind::Reference(target) => {
+                self.check_type_of_cpu("REF_TO", "pass the variable as an in/out parameter", ty.span);
+                self.reference_type(target, ty.span)
+            }
         }
     }
 
@@ -169,7 +172,7 @@ impl<'a> Declarations<'a> {
     fn named_type(&mut self, word: &str, span: Span, used: Use) -> Option<Typed> {
         if let Some(ty) = Elementary::from_word(word) {
             if let Some((_, instead)) = NOT_OF_S7_1200.iter().find(|(absent, _)| *absent == ty) {
-                self.check_type_of_cpu(ty.name(), instead, span);
+                self.check_type_of_cpu(ty.name(), &format!("declare it as {instead}"), span);
             }
             return Some(elementary_typed(ty));
         }
@@ -219,7 +222,7 @@ impl<'a> Declarations<'a> {
         Some(Typed { ty: DataType::Parameter(parameter), image: Rc::from(image) })
     }
 
-    /// Warns once of a type that an S7-1200 does not have, if the CPU is one.
+    /// Warns once of a type that an S7-1200 does not have, if the CPU is one. `instead`: what to do.
     fn check_type_of_cpu(&mut self, name: &str, instead: &str, span: Span) {
         if self.globals.input.profile.family != Family::S71200 || span.file == SYSTEM_FILE {
             return;
@@ -231,7 +234,7 @@ impl<'a> Declarations<'a> {
         self.report(
             Diagnostic::new(Code::CpuLimit, span, title)
                 .label("a type of other CPUs")
-                .help(format!("declare it as {instead}, or name another CPU with --cpu or in plc.toml")),
+                .help(format!("{instead}, or name another CPU with --cpu or in plc.toml")),
         );
     }
 
