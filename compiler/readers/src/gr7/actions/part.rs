@@ -106,7 +106,9 @@ pub fn action(
         None => messages::comment_after(state.text, state.comments, end),
     };
     let (body, mark) = match (body, mark) {
-        (Some(body), Some(mark)) if is_action(state, &body) => (body, mark),
+        (Some(body), Some(mark)) if is_action(state, &body) && is_assigned(state, &body, mark, qualifier.clone()) => {
+            (body, mark)
+        }
         _ => (ActionBody::Error, Mark { event: None, qualifier: Qualifier::N, interlock: false }),
     };
     Action {
@@ -124,6 +126,26 @@ pub fn action(
 fn is_action(state: &mut State, body: &ActionBody) -> bool {
     let (ActionBody::Operand(operand) | ActionBody::Value { operand, .. }) = body else { return true };
     is_variable(state, operand, Code::ActionText)
+}
+
+/// Whether `:=` is before the value of an N row, which is no time or count as that of other rows; reports that it is missing. `qualifier`:
+/// where the mark is.
+fn is_assigned(state: &mut State, body: &ActionBody, mark: Mark, qualifier: Range<usize>) -> bool {
+    let ActionBody::Value { operand, value } = body else { return true };
+    let all = state.text;
+    let text = |start: u32, end: u32| all.get(start as usize..end as usize).unwrap_or_default();
+    if mark.qualifier != Qualifier::N || text(operand.span.end, value.span.start).contains(":=") {
+        return true;
+    }
+    let (operand, source) = (text(operand.span.start, operand.span.end), text(value.span.start, value.span.end));
+    let mark = all.get(qualifier).unwrap_or_default();
+    let title = format!("`:=` is missing between `{operand}` and `{source}`");
+    state.report(
+        Diagnostic::new(Code::Syntax, value.span, title)
+            .label("a second operand")
+            .help(format!("write `{operand} := {source} {mark}`, or each operand in a row of its own")),
+    );
+    false
 }
 
 /// Whether the expression can be written to; one that is not an operand is reported.
