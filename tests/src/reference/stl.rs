@@ -44,7 +44,7 @@ pub fn reference() -> String {
          OS is only ever set by arithmetic, never cleared. `CALL` has a syntax of its own.\n\
          On an S7-1500 it also calls MOVE, NORM_X, SCALE_X, LIMIT, SEL, MUX, MIN, MAX, CONVERT, SWAP, T_ADD, T_SUB, T_DIFF,\n\
          T_CONV, S_MOVE, S_CONV, STRG_VAL and VAL_STRG with the output OUT, T_COMP and S_COMP for a relation, `relation := GE`,\n\
-         MOVE_BLK, FILL_BLK and SCATTER_BLK from an element on,\n\
+         MOVE_BLK, FILL_BLK and SCATTER_BLK from an element on, LEN, CONCAT and other functions of texts with OUT in place of RET_VAL,\n\
          and an index may be a variable: `L #list[#i]`, `A \"Data\".motors[\"Number\"].runs`.\n",
     );
     for (heading, chapter, first, last) in FAMILIES {

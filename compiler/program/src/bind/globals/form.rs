@@ -17,8 +17,8 @@ pub enum PinType {
     Fixed(Elementary),
     /// From the actual parameter.
     Actual(&'static str),
-    /// From the actual parameter, UDINT for a number without a type: how many elements.
-    Count,
+    /// From the actual parameter, this one for a number without a type and an address of its width: how many, or where.
+    Number(Elementary),
     /// From the array whose element is the actual parameter: the instruction goes on from there. The word is that of the elements.
     Elements(&'static str),
 }
@@ -29,7 +29,7 @@ impl PinType {
         match self {
             PinType::Fixed(_) => None,
             PinType::Actual(word) | PinType::Elements(word) => Some(word),
-            PinType::Count => Some("count"),
+            PinType::Number(_) => Some("count"),
         }
     }
 }
@@ -52,7 +52,7 @@ pub enum Computation {
     /// `OUT := INT_TO_REAL(IN := …)`.
     Conversion,
     /// `OUT := CEIL_DINT(IN := …)`.
-    Rounding,
+    Suffixed,
     /// `OUT := IN1 >= IN2`, with the relation that the call names.
     Comparison,
 }
@@ -112,6 +112,9 @@ const VALUES: PinType = PinType::Elements("value");
 const SOURCES: PinType = PinType::Elements("src");
 const RESULTS: PinType = PinType::Elements("dest");
 
+const COUNT: PinType = PinType::Number(Elementary::Udint);
+const PLACE: PinType = PinType::Number(Elementary::Int);
+
 const BOOL: PinType = PinType::Fixed(Elementary::Bool);
 const USINT: PinType = PinType::Fixed(Elementary::Usint);
 const UINT: PinType = PinType::Fixed(Elementary::Uint);
@@ -120,8 +123,8 @@ const WORD: PinType = PinType::Fixed(Elementary::Word);
 const OF_VALUE: &[Pin] = &[input("IN", VALUE), output("OUT", VALUE)];
 const FROM_SOURCE: &[Pin] = &[input("IN", SOURCE), output("OUT", RESULT)];
 // Arrays are passed as IN_OUT: the function changes some of their elements, or reads some without a copy of all.
-const MOVES: &[Pin] = &[in_out("IN", VALUES), input("COUNT", PinType::Count), in_out("OUT", VALUES)];
-const FILLS: &[Pin] = &[input("IN", VALUE), input("COUNT", PinType::Count), in_out("OUT", VALUES)];
+const MOVES: &[Pin] = &[in_out("IN", VALUES), input("COUNT", COUNT), in_out("OUT", VALUES)];
+const FILLS: &[Pin] = &[input("IN", VALUE), input("COUNT", COUNT), in_out("OUT", VALUES)];
 
 #[rustfmt::skip]
 const FORMS: &[Form] = &[
@@ -139,10 +142,10 @@ const FORMS: &[Form] = &[
     Form { name: "FRAC", computation: Computation::Value, pins: OF_VALUE },
     Form { name: "SWAP", computation: Computation::Value, pins: OF_VALUE },
     Form { name: "CONVERT", computation: Computation::Conversion, pins: FROM_SOURCE },
-    Form { name: "ROUND", computation: Computation::Rounding, pins: FROM_SOURCE },
-    Form { name: "CEIL", computation: Computation::Rounding, pins: FROM_SOURCE },
-    Form { name: "FLOOR", computation: Computation::Rounding, pins: FROM_SOURCE },
-    Form { name: "TRUNC", computation: Computation::Rounding, pins: FROM_SOURCE },
+    Form { name: "ROUND", computation: Computation::Suffixed, pins: FROM_SOURCE },
+    Form { name: "CEIL", computation: Computation::Suffixed, pins: FROM_SOURCE },
+    Form { name: "FLOOR", computation: Computation::Suffixed, pins: FROM_SOURCE },
+    Form { name: "TRUNC", computation: Computation::Suffixed, pins: FROM_SOURCE },
     Form {
         name: "T_ADD", computation: Computation::Value,
         pins: &[input("IN1", TIME), input("IN2", DURATION), output("OUT", TIME)],
@@ -178,6 +181,31 @@ const FORMS: &[Form] = &[
             in_out("OUT", RESULT),
         ],
     },
+    Form { name: "LEN", computation: Computation::Value, pins: &[input("IN", TEXT), output("OUT", PLACE)] },
+    Form { name: "MAX_LEN", computation: Computation::Value, pins: &[input("IN", TEXT), output("OUT", PLACE)] },
+    Form { name: "CONCAT", computation: Computation::Value, pins: &[input("IN1", TEXT), input("IN2", TEXT), output("OUT", TEXT)] },
+    Form { name: "LEFT", computation: Computation::Value, pins: &[input("IN", TEXT), input("L", PLACE), output("OUT", TEXT)] },
+    Form { name: "RIGHT", computation: Computation::Value, pins: &[input("IN", TEXT), input("L", PLACE), output("OUT", TEXT)] },
+    Form {
+        name: "MID", computation: Computation::Value,
+        pins: &[input("IN", TEXT), input("L", PLACE), input("P", PLACE), output("OUT", TEXT)],
+    },
+    Form {
+        name: "DELETE", computation: Computation::Value,
+        pins: &[input("IN", TEXT), input("L", PLACE), input("P", PLACE), output("OUT", TEXT)],
+    },
+    Form {
+        name: "INSERT", computation: Computation::Value,
+        pins: &[input("IN1", TEXT), input("IN2", TEXT), input("P", PLACE), output("OUT", TEXT)],
+    },
+    Form {
+        name: "REPLACE", computation: Computation::Value,
+        pins: &[input("IN1", TEXT), input("IN2", TEXT), input("L", PLACE), input("P", PLACE), output("OUT", TEXT)],
+    },
+    Form { name: "FIND", computation: Computation::Value, pins: &[input("IN1", TEXT), input("IN2", TEXT), output("OUT", PLACE)] },
+    Form { name: "DECO", computation: Computation::Suffixed, pins: FROM_SOURCE },
+    Form { name: "ENCO", computation: Computation::Value, pins: &[input("IN", SOURCE), output("OUT", PLACE)] },
+    Form { name: "BITSUM", computation: Computation::Value, pins: &[input("IN", SOURCE), output("OUT", PLACE)] },
     Form { name: "MOVE_BLK", computation: Computation::Output, pins: MOVES },
     Form { name: "UMOVE_BLK", computation: Computation::Output, pins: MOVES },
     Form { name: "FILL_BLK", computation: Computation::Output, pins: FILLS },
@@ -186,11 +214,11 @@ const FORMS: &[Form] = &[
     Form { name: "GATHER", computation: Computation::Output, pins: &[in_out("IN", SOURCE), output("OUT", RESULT)] },
     Form {
         name: "SCATTER_BLK", computation: Computation::Output,
-        pins: &[in_out("IN", SOURCES), input("COUNT_IN", PinType::Count), in_out("OUT", RESULTS)],
+        pins: &[in_out("IN", SOURCES), input("COUNT_IN", COUNT), in_out("OUT", RESULTS)],
     },
     Form {
         name: "GATHER_BLK", computation: Computation::Output,
-        pins: &[in_out("IN", SOURCES), input("COUNT_OUT", PinType::Count), in_out("OUT", RESULTS)],
+        pins: &[in_out("IN", SOURCES), input("COUNT_OUT", COUNT), in_out("OUT", RESULTS)],
     },
 ];
 
@@ -246,7 +274,7 @@ impl Form {
             Computation::Conversion => {
                 format!("#OUT := {}_TO_{}({inputs}ENO => #good);", word("IN"), word("OUT"))
             }
-            Computation::Rounding => format!("#OUT := {name}_{}({inputs}ENO => #good);", word("OUT")),
+            Computation::Suffixed => format!("#OUT := {name}_{}({inputs}ENO => #good);", word("OUT")),
             Computation::Comparison => format!("#OUT := #IN1 {operator} #IN2;\n  #good := TRUE;"),
         };
         format!(

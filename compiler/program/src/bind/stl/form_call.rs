@@ -7,6 +7,7 @@ use plcc_syntax::literal::Literal;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::declarations::path::type_of_width;
 use crate::bind::globals::form::{Computation, Form, PinOfCall, PinType, index_name, relation};
+use crate::bind::globals::sources::portal_cpu;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::move_call::called_name;
 use crate::bind::stl::settle::Settled;
@@ -44,7 +45,15 @@ impl StlBinder<'_, '_> {
         // `CALL swap` with a variable of that name calls the instance.
         let is_own = matches!(&call.target.kind, OperandKind::Path(path) if matches!(path.root, PathRoot::Bare { .. }))
             && ctx.bound.locals.contains_key(&fold(name));
-        (!is_own && self.program.globals.global(name).is_none()).then_some(form)
+        // LEN and others are also blocks of the library of STEP 7 V5, which have no OUT. Part of a program may have its own.
+        let globals = &self.program.globals;
+        let is_block = match call.parameters.iter().any(|given| is_named(given, "OUT")) {
+            true if portal_cpu(globals.input) && !globals.input.partial => {
+                globals.names.symbols.contains_key(&fold(name))
+            }
+            _ => globals.global(name).is_some(),
+        };
+        (!is_own && !is_block).then_some(form)
     }
 
     /// Binds a call of an instruction as one of a function for the types of its actual parameters; `None` after a message.
@@ -57,7 +66,7 @@ impl StlBinder<'_, '_> {
         }
         let operator = match form.computation {
             Computation::Comparison => self.named_relation(form, &named, span),
-            Computation::Value | Computation::Output | Computation::Conversion | Computation::Rounding => Some(""),
+            Computation::Value | Computation::Output | Computation::Conversion | Computation::Suffixed => Some(""),
         };
         let pins = self.pins_of_call(ctx, &mut call, form, &named)?;
         let key = self.program.globals.write_function(form.name, form.function(&pins, operator?), span);
@@ -132,7 +141,7 @@ impl StlBinder<'_, '_> {
             let actual = actual.and_then(|given| given.actual.as_ref()).expect("the call supplies each pin");
             told.push(match pin.ty {
                 PinType::Fixed(ty) => Some(Told::Type(ty.name().to_owned())),
-                PinType::Actual(_) | PinType::Count => self.told_by(ctx, form, actual),
+                PinType::Actual(_) | PinType::Number(_) => self.told_by(ctx, form, actual),
                 PinType::Elements(_) => self.elements(ctx, actual).map(|elements| Told::Elements(Box::new(elements))),
             });
         }
@@ -151,16 +160,20 @@ impl StlBinder<'_, '_> {
                 })
             };
             let usual = match pin.ty {
-                PinType::Count => Some("UDINT"),
+                PinType::Number(ty) => Some(ty),
                 PinType::Fixed(_) | PinType::Actual(_) | PinType::Elements(_) => None,
             };
             let ty = match one {
                 Told::Type(ty) => Some(ty.clone()),
                 Told::Constant(ty) => Some((*ty).to_owned()),
-                Told::Width(width) => {
-                    of_call().or_else(of_others).or_else(|| Some(type_of_width(*width).name().to_owned()))
+                Told::Width(width) => of_call().or_else(of_others).or_else(|| {
+                    let ty = usual.filter(|ty| layout::width(*ty) == *width).unwrap_or(type_of_width(*width));
+                    Some(ty.name().to_owned())
+                }),
+                Told::Fitting(ty) => {
+                    let fitting = usual.map(Elementary::name).or(*ty);
+                    of_call().or_else(of_others).or_else(|| fitting.map(str::to_owned))
                 }
-                Told::Fitting(ty) => of_call().or_else(of_others).or_else(|| usual.or(*ty).map(str::to_owned)),
                 Told::Elements(elements) => Some(elements.array_type.clone()),
             };
             let Some(ty) = ty else {
