@@ -128,12 +128,22 @@ impl StlBinder<'_, '_> {
         }
     }
 
-    /// The block that a name means where data types are declared, if the data of the instance is that of the block.
+    /// The block that a name means where data types are declared, if the data of the instance is that of the block. The data decides
+    /// about its type: `CTU` with data of the type IEC_DCOUNTER is CTU_DINT.
     fn instruction_of(&mut self, ctx: &mut CurrentBlock, name: &str, instance: &ast::Operand) -> Option<BlockKey> {
-        let (prefix, number) = self.program.type_block(name)?;
-        let key = BlockKey { kind: code_kind(prefix)?, number };
+        self.program.type_block(name)?;
         let own = self.block_of_instance(ctx, instance)?;
-        (own == key || self.shares_data(own, key, instance.span)).then_some(key)
+        let ty = self.program.globals.library_block(own).and_then(|block| block.name.split_once('_'));
+        let typed = ty.map(|(_, ty)| format!("{name}_{ty}"));
+        for name in typed.as_deref().into_iter().chain([name]) {
+            let Some((prefix, number)) = self.program.type_block(name) else { continue };
+            let Some(kind) = code_kind(prefix) else { continue };
+            let key = BlockKey { kind, number };
+            if own == key || self.shares_data(own, key, instance.span) {
+                return Some(key);
+            }
+        }
+        None
     }
 
     /// The block whose instance an operand is; no message.
