@@ -120,6 +120,8 @@ fn wrong_flags_are_usage_errors() {
         let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--instance-values", "i.csv"], 2);
         assert_eq!(errors.matches(says).count(), 1, "{errors}");
     }
+    let said = both(folder, &["--clock", "virtual", "--cycles", "2", "--instances", "3"], 0);
+    assert!(said.contains("3 instances ended after 2 cycles"), "{said}");
     // No client is told where many CPUs can be reached.
     let flags =
         ["run", "program.stl", "--clock", "virtual", "--cycles", "2", "--instances", "3", "--s7", "127.0.0.1:0"];

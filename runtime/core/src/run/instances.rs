@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 
 use plcc_abi::ProgramImage;
+use plcc_literal::count::counted;
 
 use super::session::{Session, prepare, settable, setting};
 use super::{
@@ -107,7 +108,7 @@ pub(super) fn run(image: ProgramImage, code: CodeMaker, options: &RunOptions) ->
     let next = AtomicUsize::new(0);
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count);
     let (send, receive) = mpsc::sync_channel(4 * threads);
-    std::thread::scope(|scope| {
+    let exit = std::thread::scope(|scope| {
         for _ in 0..threads {
             let (send, next, image, table) = (send.clone(), &next, &image, &table);
             // Generated code nests as deep as a CPU allows.
@@ -129,7 +130,11 @@ pub(super) fn run(image: ProgramImage, code: CodeMaker, options: &RunOptions) ->
         }
         drop(send);
         report_in_order(&receive)
-    })
+    });
+    if let (EXIT_OK, false, false, Some(cycles)) = (exit, options.quiet, end_requested(), options.cycles) {
+        say!("{} ended after {}", counted(count, "instance"), counted(cycles as usize, "cycle"));
+    }
+    exit
 }
 
 /// Number of instances, and their values.
