@@ -113,7 +113,7 @@ impl Writer<'_> {
         });
         let Some(list) = list else {
             let title = "a declaration has no start values of single elements of this array";
-            self.refuse(value.span, title, "give all elements before them a value, too");
+            self.refuse(value.span, title, "give all elements before them a value as well");
             return String::new();
         };
         let runs = list.chunk_by(|a, b| a == b).map(|run| match run {

@@ -91,7 +91,7 @@ impl<'a> Declarer<'_, 'a> {
             TypeKind::Block(name) => {
                 let name = self.program.shown(&self.program.key(name));
                 let title = format!("IEC 61131-3 has no `{name}`, and no source declares it");
-                writer.refuse(ty.span, title, "give its source, too, or program it in another way");
+                writer.refuse(ty.span, title, "add its source, or program it in another way");
                 Node::new("derived")
             }
             TypeKind::WideString(_) => self.none(ty, "WSTRING", "use STRING", writer),

@@ -28,7 +28,7 @@ impl Maker<'_> {
                 return self.refuse(
                     span,
                     "a call of a data block whose function block is not in the sources",
-                    "give the source of the function block, too",
+                    "add the source of the function block",
                 );
             }
             (Some(block), instance) => {

@@ -16,7 +16,7 @@ impl Maker<'_> {
         self.refuse(
             element.span,
             "a box whose type is not in the sources",
-            "give the symbol table or the data block with the operands, too",
+            "add the symbol table or the data block with the operands",
         );
     }
 

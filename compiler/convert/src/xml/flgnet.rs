@@ -235,7 +235,7 @@ impl<'a> Maker<'a> {
                 writer.refuse(
                     callee.span,
                     "a call of an instance whose function block is not in the sources",
-                    "give the source of the function block, too",
+                    "add the source of the function block",
                 );
                 return None;
             }

@@ -349,7 +349,7 @@ fn component<'n>(
 }
 
 fn refuse(value: &InitialValue, writer: &mut Writer) {
-    let help = "give the source of its data type, too, or assign the value in the program";
+    let help = "add the source of its data type, or assign the value in the program";
     writer.refuse(value.span, "SimaticML has no form for this start value", help);
 }
 
@@ -446,7 +446,7 @@ pub fn of_values(values: &[ValueAssignment], ty: &TypeRef, library: &Library, wr
     let members = library.members(ty).unwrap_or_default();
     for value in values {
         if !replace_value(&mut section, value, members, library, writer) {
-            let help = "give the source of its function block, too, or assign the value in the program";
+            let help = "add the source of its function block, or assign the value in the program";
             writer.refuse(value.span, "SimaticML has no form for this value of an instance", help);
         }
     }

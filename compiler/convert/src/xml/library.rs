@@ -212,7 +212,7 @@ pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer)
         && !library.data.contains(&found.to_lowercase())
     {
         let title = format!("{} has no name, and SimaticML names blocks", writer.block_name(name));
-        writer.refuse(*span, title, "give the source of the block, too, or name it by its symbol");
+        writer.refuse(*span, title, "add the source of the block, or name it by its symbol");
     }
     found
 }

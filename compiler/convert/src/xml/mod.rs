@@ -342,7 +342,7 @@ fn data(
                 let replaced =
                     section.is_some_and(|section| interface::replace_value(section, value, members, library, writer));
                 if !replaced {
-                    let help = "give the source of its data type, too, or write the value in its declaration";
+                    let help = "add the source of its data type, or write the value in its declaration";
                     writer.refuse(value.span, "SimaticML has no form for this value of a component", help);
                 }
             }

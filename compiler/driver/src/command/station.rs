@@ -28,7 +28,7 @@ pub fn station(folder: &Path) -> u8 {
         Some(found) => report::print(&station::table(&found)).err().unwrap_or(exit::OK),
         None => {
             report::say(&format!(
-                "{} does not describe a station; docs/plc-toml.md shows how to",
+                "{} does not describe a station; docs/plc-toml.md shows how",
                 folder.join(FILE_NAME).display()
             ));
             exit::USAGE

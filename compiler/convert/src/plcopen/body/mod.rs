@@ -227,7 +227,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                 }
                 None => {
                     let title = format!("no source declares `{}`", name.text);
-                    self.refuse(name.span, title, "give the source or the table that declares it, too");
+                    self.refuse(name.span, title, "add the source or the table that declares it");
                     bare(String::new())
                 }
             },
@@ -261,7 +261,7 @@ impl<'p, 'a, 'w, 't> Body<'p, 'a, 'w, 't> {
                     |text: String| Expr { kind: ExprKind::Name(Name { text, form: NameForm::Bare, span }), span };
                 match self.program.global(&key) {
                     Some(Global::Data(_)) => return self.variable(&key, bare),
-                    _ => self.refuse(span, "a block that no source declares", "give its source, too"),
+                    _ => self.refuse(span, "a block that no source declares", "add its source"),
                 }
             }
             OperandKind::Absolute { .. } => {
