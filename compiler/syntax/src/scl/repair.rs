@@ -5,7 +5,7 @@
 //!              words.rs: THENN, ENDIF, UND                 signs.rs: ==, &&, i++, 0x1F, { }          foreign.rs: METHOD, LOOP, N7:0
 //!              statements.rs: let x = 5, do … while, (INT)x      cases.rs: 1 := x := 2, SELECT CASE
 //!              leave.rs: break, EXIT FOR                   loops.rs: for (i = 0; …)                  declare.rs: POINTER TO, AT %MW10
-//!              labels.rs: GOTO 10                  addresses.rs: MW 10
+//!              labels.rs: GOTO 10                  addresses.rs: MW 10                left_out.rs: #a > 5 THEN
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
 //!              around.rs: NAMESPACE                enumerations.rs: TYPE x : INT (a, b)
 //! ```
@@ -23,6 +23,7 @@ mod foreign;
 mod heads;
 mod labels;
 mod leave;
+mod left_out;
 mod loops;
 mod sections;
 mod signs;
@@ -204,7 +205,8 @@ impl<'t> Repair<'t> {
                         || self.hyphenated_use(token)
                         || self.repair_word(token)
                         || self.repair_head(token)
-                        || self.repair_sign(token))
+                        || self.repair_sign(token)
+                        || self.statement_without_keyword(token))
                     {
                         self.pass(token);
                     }

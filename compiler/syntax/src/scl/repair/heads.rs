@@ -19,6 +19,9 @@ impl Repair<'_> {
         let outside = self.brackets.is_empty();
         let Some(&Head { keyword, wanted, assigned, to, by }) = self.head.as_ref() else { return false };
         let at = self.at;
+        if self.operator_left_out(token) {
+            return true;
+        }
         let for_head = keyword == Keyword::For;
         let statement = if keyword == Keyword::ElseIf { Keyword::Elsif } else { keyword };
         let begins = for_head && !assigned && self.last.is_some_and(|last| last.keyword == Some(Keyword::For));
