@@ -149,6 +149,13 @@ pub fn no_colon_in_header(span: Span, word: &str, text: &str) -> Diagnostic {
         .help(format!("write `{word} : {text}`"))
 }
 
+/// `FUNCTION FC 1 :` at the end of a line.
+pub fn no_type_after_colon(colon: Span) -> Diagnostic {
+    Diagnostic::new(Code::BlockFrame, colon, "no type follows the `:` of the function")
+        .label("the type of the result is missing")
+        .help("write `: VOID` for a function without a value, or the type of its value")
+}
+
 /// `FUNCTION FC 1 INT`. `ty`: the type.
 pub fn no_colon_before_type(span: Span, ty: &str) -> Diagnostic {
     Diagnostic::new(Code::BlockFrame, span, format!("`:` is missing before the type `{ty}`"))

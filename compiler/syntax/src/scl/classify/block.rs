@@ -40,7 +40,11 @@ impl Classifier<'_, '_> {
         self.block_name(opening);
         self.second_name(opening, keyword);
         if keyword == Keyword::Function {
-            if self.is_at(RawKind::Colon) {
+            if self.is_at(RawKind::Colon) && self.type_left_out() {
+                let colon = self.raw[self.at];
+                self.report(frame::no_type_after_colon(self.span(colon)));
+                self.at += 1;
+            } else if self.is_at(RawKind::Colon) {
                 self.take(Tok::Colon);
                 self.type_tokens();
             } else if let Some(ty) = self.peek().filter(|token| token.kind == RawKind::Word && !token.first_on_line)
@@ -60,6 +64,16 @@ impl Classifier<'_, '_> {
         }
         self.header(frame);
         self.end_of_block(opening, keyword);
+    }
+
+    /// Whether the next line begins a header, a section or the statements: no type follows the `:` of a function.
+    fn type_left_out(&self) -> bool {
+        let next = self.at + 1;
+        let Some(token) = self.raw.get(next).filter(|token| token.first_on_line) else { return false };
+        let begins = |word: Keyword| word.begins_section() || word.ends_block() || word == Keyword::Begin;
+        matches!(token.kind, RawKind::Title | RawKind::LeftBrace)
+            || token.keyword.is_some_and(begins)
+            || self.header_keyword(next)
     }
 
     /// `FUNCTION "Motor" FC1 : Void`, `DATA_BLOCK "Data" DB5` before a structure: the second name is reported and passed over.
