@@ -448,11 +448,10 @@ impl<'a> Classifier<'a, '_> {
             return false;
         }
         let (name_text, ty_text) = (name.text(self.text), ty.text(self.text));
-        let span = self.span(name.range().start..ty.range().end);
         let title = format!("`:` is missing between `{name_text}` and its type");
         self.report(
-            Diagnostic::new(Code::DeclarationSyntax, span, title)
-                .label("a name and a type")
+            Diagnostic::new(Code::DeclarationSyntax, self.span(ty.range()), title)
+                .label("the type")
                 .help(format!("write `{name_text}:{ty_text};`")),
         );
         self.operands(&code[..1]);
