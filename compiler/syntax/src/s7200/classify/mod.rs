@@ -13,8 +13,8 @@ use super::token::Tok;
 use super::{pragma, suggest};
 use crate::Elementary;
 use crate::front::Classified;
-use crate::front::frame_words;
 use crate::front::pragma::{is_for_file, is_pragma};
+use crate::front::{frame, frame_words};
 
 pub use operand::{Where, block};
 
@@ -383,14 +383,43 @@ impl<'a> Classifier<'a, '_> {
             let token = self.block_name(name);
             self.push(range, token);
         }
-        if let Some((number, at)) = number {
+        let Some((number, at)) = number else { return true };
+        let (number, range) = part(number, at);
+        if !number.is_empty() || name.is_empty() {
             self.push(at - 1..at, Tok::Colon);
-            let (number, range) = part(number, at);
-            if !number.is_empty() {
-                let token = self.block_name(number);
-                self.push(range, token);
-            }
         }
+        if !number.is_empty() {
+            let token = self.block_name(number);
+            self.push(range, token);
+        } else if !name.is_empty() {
+            let text = self.slice(first.range().start..at);
+            self.report(
+                Diagnostic::new(Code::BlockFrame, self.span(at - 1..at), "no number follows the `:` of the block")
+                    .label("read without it")
+                    .help(format!("write `{}`, or its number after the `:`", text.trim_end_matches([':', ' ', '\t']))),
+            );
+        }
+        true
+    }
+
+    /// `Fill:SBR0` in a line of its own: the head of a block without its first word.
+    fn header_without_keyword(&mut self, code: &[RawToken]) -> bool {
+        let [name, colon, number] = without_semicolon(code) else { return false };
+        if (name.kind, colon.kind, number.kind) != (RawKind::Word, RawKind::Colon, RawKind::Word) {
+            return false;
+        }
+        let Some((kind, _)) = operand::block(&number.text(self.text).to_ascii_uppercase()) else { return false };
+        let range = name.range().start..number.range().end;
+        let message = frame::no_keyword_before_name(self.span(range.clone()), kind.keyword(), self.slice(range));
+        self.report(message);
+        self.mode = Mode::Code;
+        self.in_function = false;
+        let start = name.range().start;
+        self.push(start..start, Tok::Header(kind));
+        let (first, second) = (self.block_name(name.text(self.text)), self.block_name(number.text(self.text)));
+        self.push(name.range(), first);
+        self.push(colon.range(), Tok::Colon);
+        self.push(number.range(), second);
         true
     }
 
@@ -497,6 +526,9 @@ impl<'a> Classifier<'a, '_> {
 
     fn statement(&mut self, code: &[RawToken]) {
         let Some(first) = code.first().copied() else { return };
+        if self.header_without_keyword(code) {
+            return;
+        }
         if code.get(1).is_some_and(|next| matches!(next.kind, RawKind::Colon)) && first.kind == RawKind::Word {
             let name = first.text(self.text);
             let title = format!("`{name}:` is a label of S7-300/400");
