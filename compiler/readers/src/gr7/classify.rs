@@ -50,9 +50,50 @@ impl<'a> Classifier<'a, '_> {
                 Some(Keyword::Transition) => self.transition(token),
                 Some(Keyword::Sequence) => self.sequence(),
                 Some(Keyword::EndSequence) => self.at += 1,
+                _ if self.part_without_keyword(token) => {}
                 _ => self.outside_of_parts(token),
             }
         }
+    }
+
+    /// `Done (*$_NUM 2*)` up to END_TRANSITION, or up to END_STEP: the first word of the part is missing.
+    fn part_without_keyword(&mut self, name: RawToken) -> bool {
+        const PART_MAX: usize = 2000;
+        let next = self.raw.get(self.at + 1).filter(|next| !next.first_on_line);
+        let is_head = next.is_some_and(|next| matches!(next.kind, RawKind::Pragma | RawKind::Colon));
+        if !is_head || !is_name(name.kind) || !name.first_on_line {
+            return false;
+        }
+        let mut rest = (self.at + 1..self.raw.len()).take(PART_MAX);
+        let end = rest.find_map(|index| self.keyword_at(index).filter(|word| word.ends_part()));
+        let transition = match end {
+            Some(Keyword::EndTransition) => true,
+            Some(Keyword::EndStep) => false,
+            _ => return false,
+        };
+        // The first step of a chart that has no other initial one.
+        let initial = !self.out.iter().any(|(_, token, _)| matches!(token, Tok::Step(_)))
+            && !(self.at..self.raw.len()).any(|index| self.keyword_at(index) == Some(Keyword::InitialStep));
+        let keyword = match (transition, initial) {
+            (true, _) => Keyword::Transition,
+            (false, true) => Keyword::InitialStep,
+            (false, false) => Keyword::Step,
+        };
+        let (word, text) = (keyword.word(), self.slice(name));
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(name), format!("`{word}` is missing before `{text}`"))
+                .label("a part of the chart begins here")
+                .help(format!("write `{word} {text}`")),
+        );
+        let start = name.start as usize;
+        if transition {
+            self.push(start, Tok::Transition, start);
+            self.rest_of_transition(name);
+        } else {
+            self.push(start, Tok::Step(initial), start);
+            self.rest_of_step(name);
+        }
+        true
     }
 
     /// Brackets of a sequence have no meaning.
@@ -124,6 +165,11 @@ impl<'a> Classifier<'a, '_> {
 
     fn step(&mut self, opening: RawToken, initial: bool) {
         self.take(Tok::Step(initial));
+        self.rest_of_step(opening);
+    }
+
+    /// A step from its name on.
+    fn rest_of_step(&mut self, opening: RawToken) {
         self.head(opening, "step");
         while let Some(token) = self.peek() {
             match self.keyword_at(self.at) {
@@ -140,6 +186,11 @@ impl<'a> Classifier<'a, '_> {
 
     fn transition(&mut self, opening: RawToken) {
         self.take(Tok::Transition);
+        self.rest_of_transition(opening);
+    }
+
+    /// A transition from its name on.
+    fn rest_of_transition(&mut self, opening: RawToken) {
         self.head(opening, "transition");
         while let Some(token) = self.peek() {
             match self.keyword_at(self.at) {
