@@ -109,9 +109,21 @@ impl<'a> Classifier<'a, '_> {
         }
         match self.kind_at(index + 1) {
             Some(RawKind::Word | RawKind::Quoted | RawKind::UnterminatedQuoted | RawKind::Local) | None => true,
+            Some(RawKind::Colon) if keyword == Keyword::Function => self.function_without_name(index),
             Some(RawKind::Colon | RawKind::Assign | RawKind::Dot | RawKind::Comma | RawKind::LeftBracket) => false,
             Some(_) => !matches!(keyword, Keyword::Type | Keyword::Program),
         }
+    }
+
+    /// `FUNCTION : REAL` in a line of its own, before a section or BEGIN.
+    fn function_without_name(&self, index: usize) -> bool {
+        let starts_line = |at: usize| self.raw.get(at).is_some_and(|token| token.first_on_line);
+        let begins = |word: Keyword| word.begins_section() || word == Keyword::Begin;
+        starts_line(index)
+            && matches!(self.kind_at(index + 2), Some(RawKind::Word | RawKind::Quoted))
+            && !starts_line(index + 2)
+            && starts_line(index + 3)
+            && self.keyword_at(index + 3).is_some_and(begins)
     }
 }
 
