@@ -121,10 +121,21 @@ impl Binder<'_> {
         };
         if value < low || value > high {
             let low = if width == Width::Byte { 0 } else { low };
+            let larger = match width {
+                Width::Byte if (-32768..=0xFFFF).contains(&value) => Some(("words", "VW0")),
+                Width::Byte | Width::Word => Some(("double words", "VD0")),
+                Width::Bit | Width::Dword | Width::Lword => None,
+            };
+            let help = match larger {
+                Some((what, such)) => format!(
+                    "write a value from {low} to {high}, or use an instruction for {what}, with operands such as {such}"
+                ),
+                None => format!("write a value from {low} to {high}"),
+            };
             self.push(
                 Diagnostic::new(Code::LiteralRange, span, format!("`{value}` does not fit into {name} (0090)"))
                     .label(format!("{name} can be {low} to {high}"))
-                    .help("use an instruction of a larger width, or a smaller value"),
+                    .help(help),
             );
             return None;
         }
