@@ -38,6 +38,7 @@ impl StlBinder<'_, '_> {
         let named = self.constant_operand(ctx, actual);
         let actual = named.as_ref().unwrap_or(actual);
         let settled = self.settle(ctx, actual)?;
+        self.check_absolute_access(actual, &settled)?;
         let span = actual.span;
         if let Settled::Memory { place: Place::Indirect { .. } | Place::Register { .. }, .. } = &settled {
             let text = self.program.globals.text(span);

@@ -88,6 +88,7 @@ impl StlBinder<'_, '_> {
         let constant = self.constant_operand(ctx, operand);
         let operand = constant.as_ref().unwrap_or(operand);
         let settled = self.settle(ctx, operand)?;
+        self.check_absolute_access(operand, &settled)?;
         if let (StlInsn::Load | StlInsn::Transfer, Settled::Memory { ty: Some(ty), .. }) = (insn, &settled)
             && (matches!(ty.class(), Class::Signed | Class::Unsigned | Class::Float) || *ty == Elementary::Time)
         {

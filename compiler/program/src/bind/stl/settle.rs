@@ -129,6 +129,16 @@ impl StlBinder<'_, '_> {
         Some(Settled::Memory { place: Place::Db { number, byte, bit }, width, ty: None })
     }
 
+    /// Reports an address in a data block with optimised access, which only an assertion may have.
+    pub fn check_absolute_access(&mut self, operand: &ast::Operand, settled: &Settled) -> Option<()> {
+        match (&operand.kind, settled) {
+            (OperandKind::DbAbsolute { .. }, Settled::Memory { place: Place::Db { number, .. }, .. }) => {
+                self.program.globals.check_absolute_access(*number, operand.span)
+            }
+            _ => Some(()),
+        }
+    }
+
     /// The word or double word in the brackets of an indirect address.
     fn pointer_place(&mut self, ctx: &mut CurrentBlock, pointer: &ast::Operand, width: Width) -> Option<Place> {
         let settled = self.settle(ctx, pointer)?;
