@@ -100,6 +100,7 @@ impl SclBinder<'_, '_> {
                 self.number_wanted(row, ty, pins.name)?;
                 let result = suffix.unwrap_or(if ty == Elementary::Lreal { ty } else { Elementary::Real });
                 self.float_suffix(row, result, pins.name)?;
+                self.check_scale(&arguments, "1.0 - the result");
                 Some(computed(Function::NormX, arguments, result, span))
             }
             Kind::ScaleX => {
@@ -107,6 +108,7 @@ impl SclBinder<'_, '_> {
                 let (mut arguments, ty) = self.alike(ctx, &[pins.get("MIN")?, pins.get("MAX")?], suffix)?;
                 self.number_wanted(row, ty, pins.name)?;
                 arguments.insert(1, value?);
+                self.check_scale(&arguments, "1.0 - the value");
                 Some(computed(Function::ScaleX, arguments, ty, span))
             }
             Kind::Round => self.round(ctx, row, suffix, pins, span),
@@ -258,6 +260,29 @@ impl SclBinder<'_, '_> {
                 &format!("the lower limit `{low}` is above the upper limit `{high}`"),
                 "no value is between them",
                 "exchange the values of MN and MX",
+            );
+        }
+    }
+
+    /// Warns of NORM_X and SCALE_X with constants of which MAX is not the greater one: they do not compute then. `reversed`: what counts the
+    /// other way. Source: LAD/FBD reference, C.11.
+    fn check_scale(&mut self, arguments: &[Expr], reversed: &str) {
+        let number = |limit: &Expr| match limit.kind {
+            ExprKind::Const(bits) if limit.ty == Elementary::Real => Some(f64::from(f32::from_bits(bits as u32))),
+            ExprKind::Const(bits) if limit.ty == Elementary::Lreal => Some(f64::from_bits(bits)),
+            ExprKind::Const(bits) if limit.ty.is_integer() => Some(constant::integer(limit.ty, bits) as f64),
+            _ => None,
+        };
+        let [low, _, high] = arguments else { return };
+        if number(low).zip(number(high)).is_some_and(|(low, high)| low >= high) {
+            let globals = &self.program.globals;
+            let (span, low, high) = (low.span, globals.text(low.span), globals.text(high.span));
+            self.refuse(
+                Code::AlwaysSame,
+                span,
+                &format!("MIN is `{low}`, which is not below MAX, `{high}`"),
+                "nothing is computed, and ENO is FALSE",
+                &format!("exchange them; for the other direction use {reversed}"),
             );
         }
     }
