@@ -18,7 +18,7 @@ struct Branches<'r> {
 }
 
 impl Branches<'_> {
-    /// The conditions that AND joins in `value`, each once. Empty: one of them is a constant.
+    /// The conditions that AND joins in `value`, each once. Empty: one of them is a constant, or cannot be compared with others.
     fn joined(&self, value: &Expr) -> Vec<String> {
         let mut list = Vec::new();
         if !self.collect(value, &mut list) {
@@ -36,8 +36,11 @@ impl Branches<'_> {
             }
             ExprKind::Const(_) => false,
             _ => {
-                list.push(comparable(&(self.text)(value.span)));
-                true
+                let text = (self.text)(value.span);
+                // It has one blank in the place of several, also inside of quotes.
+                let is_exact = text.len() == value.span.range().len() || !text.contains(['\'', '"']);
+                list.push(comparable(text));
+                is_exact
             }
         }
     }
@@ -70,10 +73,13 @@ impl Visitor for Branches<'_> {
     }
 }
 
-/// A text without the blanks and the letter case that make no difference. Inside of quotes they do.
-fn comparable(text: &str) -> String {
+/// A text without the blanks and the letter case that make no difference. In quotes blanks do, and in those of texts the letter case too.
+fn comparable(text: String) -> String {
     if text.contains('\'') {
-        return text.to_owned();
+        return text;
+    }
+    if text.contains('"') {
+        return text.to_uppercase();
     }
     let is_word = |sign: char| sign.is_alphanumeric() || sign == '_';
     let mut whole = String::with_capacity(text.len());
