@@ -2,7 +2,7 @@
 //!
 //! A move of several elements becomes a loop over them, with variables in the block's local data.
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::BlockPrefix;
 use plcc_syntax::scl::ast::Expr as Node;
 use plcc_syntax::{Class, Elementary};
@@ -150,6 +150,9 @@ impl SclBinder<'_, '_> {
             true => Some(Box::new(self.of_type(ctx, pins.get("BITOFFSET")?, Elementary::Int)?)),
             false => None,
         };
+        if let Some(Expr { kind: ExprKind::Const(8..), span, .. }) = bit.as_deref() {
+            self.never_reached(*span, "a byte has no bit", "the bits of a byte are 0 to 7");
+        }
         let Coded { area, db, byte } = coded?;
         let base = Base::Indexed { area: IndexedArea::Coded { area, db }, byte, bit };
         Some(Access { base, indices: Vec::new(), ty: DataType::Elementary(ty), part: None, span })
@@ -161,10 +164,27 @@ impl SclBinder<'_, '_> {
         let db = self.db_number(ctx, number);
         let byte = self.of_type(ctx, pins.get(names.2)?, Elementary::Dint);
         let (area, db, byte) = (area?, db?, byte?);
+        if let ExprKind::Const(code) = area.kind
+            && !matches!(code, 1 | 2 | 0x81..=DATA_BLOCKS)
+        {
+            let codes =
+                "16#81 are inputs, 16#82 outputs, 16#83 bit memory, 16#84 data blocks, 1 and 2 the modules themselves";
+            self.never_reached(area.span, "no memory area has the code", codes);
+        }
         if let (ExprKind::Const(DATA_BLOCKS), ExprKind::Const(known)) = (&area.kind, &db.kind) {
             self.program.globals.check_coded_access(*known as u16, number.span)?;
         }
         Some(Coded { area: Box::new(area), db: Box::new(db), byte: Box::new(byte) })
+    }
+
+    /// Warns of a constant with which PEEK and POKE reach nothing. `title`: half a sentence before the constant.
+    fn never_reached(&mut self, span: Span, title: &str, help: &str) {
+        let text = self.program.globals.text(span);
+        let mut message = Diagnostic::new(Code::AddressRange, span, format!("{title} {text}"))
+            .label("an error at run time")
+            .help(help);
+        message.severity = Severity::Warning;
+        self.program.report(message);
     }
 
     /// The number of a data block: any integer, or the block itself.
