@@ -452,6 +452,7 @@ impl Declarations<'_> {
         match bytes {
             Ok(bytes) => {
                 put(image, byte, bit, ty, &bytes);
+                self.cut_s5time(ty, &bytes, span);
                 Some(())
             }
             Err(problem) => {

@@ -3,7 +3,7 @@
 //! Each is made when first needed, since declarations may be in any order.
 //!
 //! - [`types`] resolves data types ([`typed`]), [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values,
-//!   of which `single_value` judges those of arrays.
+//!   of which `single_value` judges those of arrays and `s5time` those of timers.
 //! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks, [`block_constants`] its constants;
 //!   [`data`] makes the data blocks.
 //! - [`path`] turns names into places, [`element`] their indices; [`pointer`] has the bytes of pointers.
@@ -21,6 +21,7 @@ pub mod path;
 pub mod pointer;
 pub mod predefined;
 pub mod reference;
+mod s5time;
 mod single_value;
 pub mod start_inputs;
 pub mod symbols;
