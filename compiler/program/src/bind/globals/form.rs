@@ -55,6 +55,8 @@ pub enum Computation {
     Suffixed,
     /// `OUT := IN1 >= IN2`, with the relation that the call names.
     Comparison,
+    /// A call of the library block with this name, to which STL cannot pass the bounds of an array.
+    Block,
 }
 
 /// An instruction, every pin of which a call supplies.
@@ -112,7 +114,10 @@ const VALUES: PinType = PinType::Elements("value");
 const SOURCES: PinType = PinType::Elements("src");
 const RESULTS: PinType = PinType::Elements("dest");
 
+const ARRAY: PinType = PinType::Actual("array");
+const DATE: PinType = PinType::Actual("date");
 const COUNT: PinType = PinType::Number(Elementary::Udint);
+const START: PinType = PinType::Number(Elementary::Dint);
 const PLACE: PinType = PinType::Number(Elementary::Int);
 
 const BOOL: PinType = PinType::Fixed(Elementary::Bool);
@@ -160,6 +165,10 @@ const FORMS: &[Form] = &[
     },
     Form { name: "T_CONV", computation: Computation::Value, pins: FROM_SOURCE },
     Form {
+        name: "T_COMBINE", computation: Computation::Value,
+        pins: &[input("IN1", DATE), input("IN2", TIME), output("OUT", RESULT)],
+    },
+    Form {
         name: "T_COMP", computation: Computation::Comparison,
         pins: &[input("IN1", TIME), input("IN2", TIME), output("OUT", BOOL)],
     },
@@ -203,6 +212,14 @@ const FORMS: &[Form] = &[
         pins: &[input("IN1", TEXT), input("IN2", TEXT), input("L", PLACE), input("P", PLACE), output("OUT", TEXT)],
     },
     Form { name: "FIND", computation: Computation::Value, pins: &[input("IN1", TEXT), input("IN2", TEXT), output("OUT", PLACE)] },
+    Form {
+        name: "Strg_TO_Chars", computation: Computation::Block,
+        pins: &[input("Strg", TEXT), input("pChars", START), output("Cnt", UINT), in_out("Chars", ARRAY)],
+    },
+    Form {
+        name: "Chars_TO_Strg", computation: Computation::Block,
+        pins: &[in_out("Chars", ARRAY), input("pChars", START), input("Cnt", UINT), output("Strg", TEXT)],
+    },
     Form { name: "DECO", computation: Computation::Suffixed, pins: FROM_SOURCE },
     Form { name: "ENCO", computation: Computation::Value, pins: &[input("IN", SOURCE), output("OUT", PLACE)] },
     Form { name: "BITSUM", computation: Computation::Value, pins: &[input("IN", SOURCE), output("OUT", PLACE)] },
@@ -266,6 +283,11 @@ impl Form {
                 }
             }
         }
+        let mut all = String::new();
+        for Pin { name, direction, .. } in self.pins {
+            let sign = if *direction == Direction::Output { "=>" } else { ":=" };
+            let _ = write!(all, "{name} {sign} #{name}, ");
+        }
         let word = |name: &str| pins.iter().find(|one| one.pin.name == name).map_or("", |one| conversion_word(&one.ty));
         let name = self.name;
         let statement = match self.computation {
@@ -276,6 +298,7 @@ impl Form {
             }
             Computation::Suffixed => format!("#OUT := {name}_{}({inputs}ENO => #good);", word("OUT")),
             Computation::Comparison => format!("#OUT := #IN1 {operator} #IN2;\n  #good := TRUE;"),
+            Computation::Block => format!("{name}({all}ENO => #good);"),
         };
         format!(
             "FUNCTION SFC 60000 : VOID\nNAME : {name}\n{declarations}VAR_TEMP\n  good : BOOL ;\nEND_VAR\n\
@@ -327,6 +350,8 @@ mod tests {
         assert!(text.contains("  #OUT := T_SUB(IN1 := #IN1, IN2 := #IN2, ENO => #good);\n"));
         assert!(function("CONVERT", &["TIME_OF_DAY", "UDINT"], "").contains("#OUT := TOD_TO_UDINT(IN := #IN, "));
         assert!(function("CEIL", &["REAL", "DINT"], "").contains("#OUT := CEIL_DINT(IN := #IN, "));
+        let text = function("Strg_TO_Chars", &["STRING", "DINT", "UINT", "ARRAY[0..9] OF CHAR"], "");
+        assert!(text.contains("(Strg := #Strg, pChars := #pChars, Cnt => #Cnt, Chars := #Chars, ENO => #good);\n"));
         let operator = relation("ge").expect("it is a relation");
         assert!(function("S_COMP", &["STRING", "STRING", "BOOL"], operator).contains("#OUT := #IN1 >= #IN2;\n"));
     }

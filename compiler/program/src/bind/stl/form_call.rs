@@ -47,7 +47,8 @@ impl StlBinder<'_, '_> {
             && ctx.bound.locals.contains_key(&fold(name));
         // LEN and others are also blocks of the library of STEP 7 V5, which have no OUT. Part of a program may have its own.
         let globals = &self.program.globals;
-        let is_block = match call.parameters.iter().any(|given| is_named(given, "OUT")) {
+        let has_out = call.parameters.iter().any(|given| is_named(given, "OUT"));
+        let is_block = match has_out || form.computation == Computation::Block {
             true if portal_cpu(globals.input) && !globals.input.partial => {
                 globals.names.symbols.contains_key(&fold(name))
             }
@@ -66,7 +67,11 @@ impl StlBinder<'_, '_> {
         }
         let operator = match form.computation {
             Computation::Comparison => self.named_relation(form, &named, span),
-            Computation::Value | Computation::Output | Computation::Conversion | Computation::Suffixed => Some(""),
+            Computation::Value
+            | Computation::Output
+            | Computation::Conversion
+            | Computation::Suffixed
+            | Computation::Block => Some(""),
         };
         let pins = self.pins_of_call(ctx, &mut call, form, &named)?;
         let key = self.program.globals.write_function(form.name, form.function(&pins, operator?), span);
