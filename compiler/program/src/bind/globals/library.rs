@@ -8,7 +8,7 @@
 use std::rc::Rc;
 
 use plcc_abi::image::BlockKind;
-use plcc_diag::Span;
+use plcc_diag::{Code, Diagnostic, Span};
 use plcc_stdlib::{BlockClass, Form, Language, SystemBlock};
 use plcc_syntax::ast::{self, BlockPrefix};
 use plcc_syntax::{ParseOptions, scl, stl};
@@ -40,8 +40,10 @@ pub struct Library {
     pub known: FxHashSet<BlockKey>,
     /// Blocks whose numbers the program uses for its own, by their new numbers.
     pub moved: FxHashMap<BlockKey, &'static SystemBlock>,
-    /// Functions for calls of instructions in STL, from [`WRITTEN_NUMBERS`] on: the instruction and the source.
-    written: Vec<(&'static str, String)>,
+    /// The instructions of the functions for calls in STL, from [`WRITTEN_NUMBERS`] on.
+    written: Vec<&'static str>,
+    /// These functions by their sources.
+    written_keys: FxHashMap<String, BlockKey>,
     /// Blocks whose numbers or names mean missing blocks of the program: their calls have other parameters.
     pub foreign: FxHashSet<(BlockClass, u16)>,
 }
@@ -55,7 +57,7 @@ impl Library {
     /// The instruction for whose calls in STL the block is.
     fn instruction(&self, key: BlockKey) -> Option<&'static str> {
         let at = key.number.checked_sub(WRITTEN_NUMBERS).filter(|_| key.kind == BlockKind::Sfc)?;
-        self.written.get(usize::from(at)).map(|(name, _)| *name)
+        self.written.get(usize::from(at)).copied()
     }
 
     /// Kind and number of a library block in this program.
@@ -275,19 +277,30 @@ impl Globals<'_> {
         true
     }
 
-    /// A function in SCL for calls of an instruction in STL. Calls with the same source share it.
-    pub fn write_function(&mut self, instruction: &'static str, source: String, span: Span) -> BlockKey {
-        let known = self.library.written.iter().position(|(_, text)| *text == source);
-        let at = known.unwrap_or(self.library.written.len());
-        let key = BlockKey { kind: BlockKind::Sfc, number: WRITTEN_NUMBERS + at as u16 };
-        if known.is_none() {
-            let code = parsed(Language::Scl, &source);
-            self.library.known.insert(key);
-            self.sources.code.insert(key, CodeSource::System(Rc::new(code)));
-            self.library.used.push(SystemUse { key, span, runtime: false });
-            self.library.written.push((instruction, source));
+    /// A function in SCL for calls of an instruction in STL. Calls with the same source share it; `None` after a message.
+    pub fn write_function(&mut self, instruction: &'static str, source: String, span: Span) -> Option<BlockKey> {
+        if let Some(key) = self.library.written_keys.get(&source) {
+            return Some(*key);
         }
-        key
+        let Some(number) = written_number(self.library.written.len()) else {
+            let title = "the program calls instructions in STL for too many combinations of types";
+            if !self.report.diagnostics.iter().any(|known| known.title == title) {
+                self.report.push(
+                    Diagnostic::new(Code::NotShipped, span, title)
+                        .label(format!("the first one after {}", self.library.written.len()))
+                        .help("write functions in SCL that call the instructions, and call these functions"),
+                );
+            }
+            return None;
+        };
+        let key = BlockKey { kind: BlockKind::Sfc, number };
+        let code = parsed(Language::Scl, &source);
+        self.library.known.insert(key);
+        self.sources.code.insert(key, CodeSource::System(Rc::new(code)));
+        self.library.used.push(SystemUse { key, span, runtime: false });
+        self.library.written.push(instruction);
+        self.library.written_keys.insert(source, key);
+        Some(key)
     }
 
     /// Whether a block is a function for calls of an instruction in STL.
@@ -325,6 +338,11 @@ impl Globals<'_> {
     }
 }
 
+/// The number of the function that is written after `count` others; none: there are too many.
+fn written_number(count: usize) -> Option<u16> {
+    WRITTEN_NUMBERS.checked_add(u16::try_from(count).ok()?)
+}
+
 /// Folded names of the parameters of a block of the library, and which of them are read.
 fn parameters(block: &SystemBlock) -> Vec<(String, bool)> {
     if block.form == Form::NotShipped {
@@ -353,4 +371,17 @@ pub fn parsed(language: Language, source: &str) -> ast::CodeBlock {
         ast::Block::Data(_) | ast::Block::Type(_) => None,
     });
     code.expect("each source of the standard library has one block, as its tests check")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_written_functions_end() {
+        assert_eq!(written_number(0), Some(WRITTEN_NUMBERS));
+        assert_eq!(written_number(usize::from(u16::MAX - WRITTEN_NUMBERS)), Some(u16::MAX));
+        assert_eq!(written_number(usize::from(u16::MAX - WRITTEN_NUMBERS) + 1), None);
+        assert_eq!(written_number(usize::MAX), None);
+    }
 }

@@ -74,7 +74,7 @@ impl StlBinder<'_, '_> {
             | Computation::Block => Some(""),
         };
         let pins = self.pins_of_call(ctx, &mut call, form, &named)?;
-        let key = self.program.globals.write_function(form.name, form.function(&pins, operator?), span);
+        let key = self.program.globals.write_function(form.name, form.function(&pins, operator?), span)?;
         let bound = self.program.interface(key, span)?;
         let mut arguments = self.call_arguments(ctx, &call, key, &bound)?;
         arguments.sort_by_key(|argument| argument.parameter);

@@ -51,7 +51,7 @@ impl StlBinder<'_, '_> {
         }
         let given = call.parameters.iter().map(|parameter| parameter.name.as_str());
         let source = instruction.function(types, given);
-        Some(self.program.globals.write_function(name, source, span))
+        self.program.globals.write_function(name, source, span)
     }
 
     /// The type that a call names for its values or for its result, or the one that an actual of these has.
