@@ -63,7 +63,7 @@ impl Writer<'_> {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => Some(ty.span.start),
             DataContent::Empty => None,
         };
-        self.header(&block.header, &block.name, false, start);
+        self.header(&with_retention(&block.header, self.notation), &block.name, false, start);
         match &content {
             DataContent::Struct(members) if block.retained.is_empty() => {
                 self.out.line("STRUCT");
@@ -517,6 +517,26 @@ fn structure(ty: &TypeRef) -> Option<&[Variable]> {
         | TypeKind::Block(_)
         | TypeKind::Error => None,
     }
+}
+
+/// The header of a data block with standard access, which says in another notation whether its data are retentive: sources say it if they
+/// are not, SIMATIC SD if they are.
+pub(crate) fn with_retention(header: &Header, notation: Notation) -> Header {
+    let says = |key: &str| header.attributes.iter().find(|(own, _)| own.eq_ignore_ascii_case(key));
+    let is_standard = |key: &str| says(key).is_some_and(|(_, value)| value.trim().eq_ignore_ascii_case("FALSE"));
+    let mut made = header.clone();
+    if header.retain || header.non_retain || says("S7_StandardRetain").is_some() {
+        return made;
+    }
+    let mut standard_retain = |value: &str| made.attributes.push(("S7_StandardRetain".to_string(), value.to_string()));
+    match notation {
+        Notation::Sd if is_standard("S7_Optimized_Access") => standard_retain("TRUE"),
+        Notation::Scl if is_standard("S7_Optimized") => made.non_retain = true,
+        // NON_RETAIN would count on an S7-300, too.
+        Notation::Stl if is_standard("S7_Optimized") => standard_retain("FALSE"),
+        Notation::Sd | Notation::Scl | Notation::Stl | Notation::Gr7 | Notation::St => {}
+    }
+    made
 }
 
 fn attribute(key: &str, value: &str) -> String {

@@ -20,7 +20,7 @@ use plcc_syntax::network::elements::{CounterCoil, Kind, PinDirection, Row};
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal};
 use plcc_syntax::stl::Mnemonics;
 
-use crate::frames::is_implied;
+use crate::frames::{is_implied, with_retention};
 use crate::names;
 use crate::scl::expression;
 use crate::trivia::Trivia;
@@ -124,7 +124,9 @@ impl Writer<'_> {
         };
         let behind = self.attributes_after_head(head_end);
         self.remarks_before(block.span.start);
-        self.sd_header(&block.header, block.span, &behind, texts);
+        let header =
+            if self.braces.is_some() { block.header.clone() } else { with_retention(&block.header, Notation::Sd) };
+        self.sd_header(&header, block.span, &behind, texts);
         let name = self.document_name(&block.name);
         match &content {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => {

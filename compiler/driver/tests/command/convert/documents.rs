@@ -100,6 +100,35 @@ END_TYPE
     }
 }
 
+/// Data of a block with standard access are retentive in sources unless they say NON_RETAIN, in documents only if those say so.
+#[test]
+fn data_stay_retentive_or_not() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let block = |name: &str, flag: &str| {
+        format!(
+            "DATA_BLOCK \"{name}\"\n{{ S7_Optimized_Access := 'FALSE' }}\nVERSION : 0.1\n{flag}STRUCT\n    n : Int;\nEND_STRUCT;\nBEGIN\n\
+             END_DATA_BLOCK\n"
+        )
+    };
+    let source = format!("{}\n{}", block("Kept", ""), block("Lost", "NON_RETAIN\n"));
+    fs::write(folder.join("a.scl"), &source).expect("the folder can be written");
+    let convert = |from: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, "--to", to]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let document = convert("a.scl", "sd");
+    assert!(
+        document.contains("S7_StandardRetain := \"TRUE\"; S7_Version := \"0.1\" }\nDATA_BLOCK Kept\n"),
+        "{document}"
+    );
+    assert!(document.contains("DATA_BLOCK Lost\nNON_RETAIN\n"), "{document}");
+    let plain = "{ S7_Optimized := \"FALSE\" }\nDATA_BLOCK Lost\nVAR\n    n : Int;\nEND_VAR\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("b.s7dcl"), plain).expect("the folder can be written");
+    assert!(convert("b.s7dcl", "scl").contains("{ S7_Optimized_Access := 'FALSE' }\nNON_RETAIN\nSTRUCT\n"));
+}
+
 /// The number decides when an organization block with a name of its own runs.
 #[test]
 fn numbers_of_documents_stay() {
