@@ -14,6 +14,10 @@ pub fn write(file: FileId, tables: &[SymbolTable]) -> (Option<String>, Vec<Diagn
     let (mut text, mut messages) = (String::new(), Vec::new());
     for symbol in tables.iter().flat_map(|table| &table.symbols).filter(|symbol| symbol.span.file == file) {
         let Some(address) = address(symbol) else {
+            // The variable is there by its name and by its address.
+            if messages.iter().any(|message: &Diagnostic| message.primary.span == symbol.span) {
+                continue;
+            }
             let title = format!("a symbol table has no address of 64 bits for `{}`", symbol.name);
             let mut message = Diagnostic::new(Code::NotConverted, symbol.span, title);
             message.severity = Severity::Warning;

@@ -106,3 +106,14 @@ fn st_of_plcopen_does_the_same_as_scl() {
         assert!(said.contains(&format!("{assertions} passed, 0 failed")), "{name}: {said}");
     }
 }
+
+/// A variable of 64 bits, which a symbol table does not have, is one message.
+#[test]
+fn a_variable_that_is_left_out_is_told_once() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/addresses-apart/project.xml");
+    let project = project.display().to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let made = plcc(folder.path(), &["convert", &project, "--to", "scl", "-o", "made.scl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert_eq!(text(&made.stderr).matches("no address of 64 bits").count(), 1, "{}", text(&made.stderr));
+}
