@@ -4,6 +4,8 @@ use std::path::Path;
 
 use plcc_diag::{FileId, Span};
 use plcc_readers::gr7;
+use plcc_syntax::Language;
+use plcc_syntax::ast::Block;
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::symbols::SymbolTarget;
 
@@ -14,7 +16,8 @@ use crate::facts::same;
 use crate::hover::target_text;
 use crate::index::{Declared, Entry, Index};
 use crate::labels;
-use crate::names::{Meaning, along, meaning};
+use crate::names::{Meaning, along, meaning, open_bracket};
+use crate::role::{self, Role};
 use crate::values;
 use crate::words::{Words, bare};
 
@@ -208,8 +211,10 @@ pub fn rename(index: &Index, texts: &Texts, wanted: &Meaning, to: &str) -> Resul
         if !same(bare(word), &name) && is_number(bare(word)) && !index_text(texts, before).trim_end().ends_with('.') {
             continue;
         }
-        let hash = if word.starts_with('#') { "#" } else { "" };
         let quoted = word.trim_start_matches('#').starts_with('"') || !is_word(to);
+        // In quotes alone it would be a name of the whole program.
+        let becomes_global = quoted && !word.starts_with(['#', '"']) && is_local(index, texts, wanted, span);
+        let hash = if word.starts_with('#') || becomes_global { "#" } else { "" };
         edits.push((span, if quoted { format!("{hash}\"{to}\"") } else { format!("{hash}{to}") }));
     }
     if let Some(symbol) = index.symbol(&name)
@@ -279,6 +284,28 @@ fn in_chart(index: &Index, entry: Entry, own: Span, name: &str) -> bool {
     chart::of(entry).iter().any(is_other)
         || entry.variables().iter().any(|(_, variable)| same(&variable.name, name))
         || facts.is_some_and(|facts| facts.instance.iter().any(|value| same(&value.name, name)))
+}
+
+/// Whether a name in a statement of SCL or STL is found in the block around it, as it has neither `#` nor quotes.
+fn is_local(index: &Index, texts: &Texts, wanted: &Meaning, span: Span) -> bool {
+    let around = |span: Span| index.around(span.file, span.start as usize);
+    let (Some(entry), Some(definition)) = (around(span), wanted.definition()) else { return false };
+    let is_own = around(definition).is_some_and(|own| own.name().span() == entry.name().span());
+    let is_code = matches!(entry.block, Block::Code(_));
+    if !is_own || !is_code || span == definition || !matches!(wanted, Meaning::Variable { .. } | Meaning::Constant(_)) {
+        return false;
+    }
+    let place = texts.iter().filter(|(file, _)| *file == span.file).find_map(|(_, words)| {
+        let at = words.before(span.start as usize);
+        (words.range(at) == span.range()).then_some((words, at))
+    });
+    place.is_some_and(|(words, at)| {
+        let is_statement = matches!(words.language(at), Language::Scl | Language::Sd | Language::Stl);
+        is_statement
+            && (at == 0 || !matches!(words.word(at - 1), "." | "#"))
+            && role::of(index, Some(entry), words, at) == Role::Any
+            && !role::is_argument(Some(entry), words, at, open_bracket(words, at))
+    })
 }
 
 /// The file with blocks in XML that has a name, too: nothing can be renamed there.

@@ -133,6 +133,8 @@ fn words_of_the_language_stay() {
     for (piece, to, edits) in [
         ("\"I|F\" : Int", "limit", &["04 \"limit\"", "13 #\"limit\"", "26 \"limit\""][..]),
         ("\"t|o\" : Int", "last", &["05 \"last\"", "14 #\"last\"", "15 last", "26 \"last\""]),
+        // In quotes alone, `to` of line 15 would be a name of the whole program.
+        ("\"t|o\" : Int", "last one", &["05 \"last one\"", "14 #\"last one\"", "15 #\"last one\"", "26 \"last one\""]),
         ("\"no|t\" : Bool", "off", &["06 \"off\"", "13 #\"off\"", "26 \"off\""]),
     ] {
         let edits = edits.iter().map(|edit| format!("words.scl:{edit}")).collect();
