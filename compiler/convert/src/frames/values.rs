@@ -1,5 +1,6 @@
 //! Start values of variables.
 
+use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Bound, DataContent, InitialKind, InitialValue, TypeKind, TypeRef, Variable};
 
@@ -111,11 +112,7 @@ impl Writer<'_> {
             });
             texts.collect::<Option<Vec<String>>>()
         });
-        let Some(list) = list else {
-            let title = "a declaration has no start values of single elements of this array";
-            self.refuse(value.span, title, "give all elements before them a value as well");
-            return String::new();
-        };
+        let Some(list) = list else { return self.no_elements(value.span) };
         let runs = list.chunk_by(|a, b| a == b).map(|run| match run {
             [one] => one.clone(),
             // Lists in lists are not repeated.
@@ -142,15 +139,11 @@ impl Writer<'_> {
                 }
                 (Notation::Scl | Notation::Sd | Notation::Gr7 | Notation::St, _) => expression::text(constant, self),
             },
-            InitialKind::Elements(elements) => {
+            InitialKind::Elements(_) if self.notation == Notation::Stl => {
                 self.needs_scl(value.span, "initial values of single elements");
-                let one = |(path, value): &(Vec<i64>, InitialValue), writer: &mut Self| {
-                    let path: Vec<String> = path.iter().map(i64::to_string).collect();
-                    format!("[{}] := {}", path.join(", "), writer.initial(value))
-                };
-                let list: Vec<String> = elements.iter().map(|element| one(element, self)).collect();
-                format!("({})", list.join(", "))
+                String::new()
             }
+            InitialKind::Elements(_) => self.no_elements(value.span),
             InitialKind::Fields(fields) => {
                 self.needs_scl(value.span, "initial values of a structure");
                 let list: Vec<String> = fields
@@ -165,6 +158,12 @@ impl Writer<'_> {
             InitialKind::Operand(kind) => operand::text(kind, value.span, self),
             InitialKind::Default => String::new(),
         }
+    }
+
+    fn no_elements(&mut self, span: Span) -> String {
+        let title = "a declaration has no start values of single elements of this array";
+        self.refuse(span, title, "give all elements before them a value as well");
+        String::new()
     }
 
     fn initials(&mut self, values: &[InitialValue]) -> String {
