@@ -17,7 +17,7 @@ use plcc_syntax::network::ast::{
     TemplateKey,
 };
 use plcc_syntax::network::elements::{CounterCoil, Kind, PinDirection, Row};
-use plcc_syntax::scl::ast::{Expr, ExprKind, Literal};
+use plcc_syntax::scl::ast::{Dialect, Expr, ExprKind, Literal, Statement};
 use plcc_syntax::stl::Mnemonics;
 
 use crate::frames::{is_implied, with_retention};
@@ -40,6 +40,14 @@ pub struct Document {
 pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> Document {
     let mut writer = Writer::new(Notation::Sd, Mnemonics::En, trivia, source);
     writer.quotes_words = unit.overlay.is_some();
+    units(writer, unit)
+}
+
+/// Like [`write`]; blocks in SCL of the TIA Portal are written, too, as a network in SCL each.
+pub fn write_all(unit: &SourceUnit, trivia: Trivia, source: Option<&str>) -> Document {
+    let mut writer = Writer::new(Notation::Sd, Mnemonics::En, trivia, source);
+    writer.quotes_words = unit.overlay.is_some();
+    writer.scl_as_networks = true;
     units(writer, unit)
 }
 
@@ -76,7 +84,12 @@ fn units(mut writer: Writer, unit: &SourceUnit) -> Document {
 impl Writer<'_> {
     /// `end`: where its comments end.
     fn sd_block(&mut self, block: &CodeBlock, end: u32, texts: &mut Texts) {
-        let Code::Graphic(body) = &block.code else {
+        let is_written = match &block.code {
+            Code::Graphic(_) => true,
+            Code::Scl(body) => self.scl_as_networks && body.dialect == Dialect::Tia && body.labels.is_empty(),
+            Code::Stl(_) | Code::Chart(_) => false,
+        };
+        if !is_written {
             let name = self.block_name(&block.name);
             let help = match &block.code {
                 Code::Stl(_) => "write it as networks first, with `--to lad` or `--to fbd`",
@@ -86,7 +99,7 @@ impl Writer<'_> {
                 Code::Chart(_) | Code::Graphic(_) => "leave it as it is: plcc builds charts and networks together",
             };
             return self.refuse(block.name.span(), format!("{name} has no networks"), help);
-        };
+        }
         let keyword = match block.kind {
             CodeKind::Ob => "ORGANIZATION_BLOCK",
             CodeKind::Fc | CodeKind::Sfc => "FUNCTION",
@@ -108,12 +121,25 @@ impl Writer<'_> {
         self.out.indent();
         block.sections.iter().for_each(|section| self.section(section));
         self.constants(&block.constants);
-        for network in &body.networks {
-            self.sd_network(network, texts);
+        match &block.code {
+            Code::Graphic(body) => body.networks.iter().for_each(|network| self.sd_network(network, texts)),
+            Code::Scl(body) => self.scl_network(&body.statements, end),
+            Code::Stl(_) | Code::Chart(_) => {}
         }
         self.remarks_before(end);
         self.out.dedent();
         self.out.line(format!("END_{keyword}"));
+    }
+
+    /// The statements of a block in SCL. `end`: where their comments end.
+    fn scl_network(&mut self, statements: &[Statement], end: u32) {
+        self.out.line("{ S7_Language := \"SCL\" }");
+        self.out.line("NETWORK");
+        self.out.indent();
+        self.statements(statements);
+        self.remarks_before(end);
+        self.out.dedent();
+        self.out.line("END_NETWORK");
     }
 
     fn sd_data(&mut self, block: &DataBlock, texts: &mut Texts) {

@@ -32,6 +32,8 @@ pub(crate) struct Writer<'a> {
     pub source: Option<&'a str>,
     /// The source is an export in XML, which has names without quotes: those that are words of the language get some.
     pub quotes_words: bool,
+    /// In SIMATIC SD a block in SCL is a network in SCL.
+    pub scl_as_networks: bool,
     /// The attributes of the document of SIMATIC SD that another one is made of.
     pub braces: Option<Braces<'a>>,
     /// Comments that are written before their place in the source is reached.
@@ -49,6 +51,7 @@ impl<'a> Writer<'a> {
             mnemonics,
             source,
             quotes_words: false,
+            scl_as_networks: false,
             braces: None,
             written,
             messages,

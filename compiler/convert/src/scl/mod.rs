@@ -13,7 +13,7 @@ use plcc_syntax::stl::Mnemonics;
 use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
 
-const LEFT_OUT: &str = "only SCL and ST are written; `--to sd` writes projects of networks only";
+const LEFT_OUT: &str = "only SCL and ST are written; `--to sd` writes networks, too";
 
 /// What becomes of blocks in other languages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

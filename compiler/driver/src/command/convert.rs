@@ -333,7 +333,7 @@ fn written(
         Some(kind @ (XmlKind::SimaticMl(_) | XmlKind::PlcOpen)) => {
             let mut blocks = whole_blocks(made, source.len() as u32);
             // Their comments are met in the order of the text.
-            if matches!(kind, XmlKind::PlcOpen) && to == ConvertTo::Xml {
+            if matches!(kind, XmlKind::PlcOpen) && matches!(to, ConvertTo::Xml | ConvertTo::Sd) {
                 blocks.blocks.sort_by_key(|block| block.span().start);
             }
             whole = blocks;
@@ -342,7 +342,7 @@ fn written(
         _ => made,
     };
     let mut remarks = match &unit.overlay {
-        Some(text) if to == ConvertTo::Xml && plcopen::is_project(source) => {
+        Some(text) if matches!(to, ConvertTo::Xml | ConvertTo::Sd) && plcopen::is_project(source) => {
             Some(Remarks { text: text.clone(), comments: plcopen::comments(source, text) })
         }
         _ => remarks(unit, source),
@@ -372,6 +372,7 @@ fn written(
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd => {
             let sd::Document { text, texts, messages } = match is_document {
                 true => sd::rewrite(made, trivia(false), source, to != ConvertTo::Sd),
+                false if to == ConvertTo::Sd => sd::write_all(made, trivia(false), same),
                 false => sd::write(made, trivia(false), same),
             };
             (Converted { name, text, beside: Vec::from_iter(texts.map(texts_beside)) }, messages)

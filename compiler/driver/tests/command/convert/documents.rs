@@ -338,3 +338,31 @@ fn blocks_without_networks_say_what_comes_first() {
     let said = text(&output.stderr);
     assert!(said.contains("convert it with `--to stl`, and the result with `--to lad`"), "{said}");
 }
+
+/// A block in SCL is a network in SCL with its comments.
+#[test]
+fn scl_becomes_a_network() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nFUNCTION_BLOCK \"Count\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_INPUT\n    step : Int;\nEND_VAR\n\
+                  VAR\n    sum : Int;   // so far\nEND_VAR\nBEGIN\n    // one more\n    IF #step > 0 THEN\n        #sum := #sum + #step;   // add\n    \
+                  END_IF;\n    // the end\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"Count_DB\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\n\
+                  \"Count\"\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK \"Main\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nBEGIN\n    \
+                  \"Count_DB\"(step := 3);\n    \"Count_DB\"(step := 4);\n    //@ assert \"Count_DB\".sum == 7\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let convert = |from: &str, to: &str, name: &str| {
+        let made = plcc(folder, &["convert", from, "--to", to, "-o", name]);
+        assert_eq!(made.status.code(), Some(0), "{from}: {}", text(&made.stderr));
+    };
+    convert("a.scl", "xml", "a.xml");
+    for (from, name) in [("a.scl", "b.s7dcl"), ("a.xml", "c.s7dcl")] {
+        convert(from, "sd", name);
+        let written = fs::read_to_string(folder.join(name)).expect("it is written");
+        for comment in ["// one more", "// add", "// the end", "so far"] {
+            assert_eq!(written.matches(comment).count(), 1, "{comment} in\n{written}");
+        }
+        let tested = plcc(folder, &["test", name, "--cpu", "s7-1500"]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("1 passed, 0 failed"), "{said}{written}");
+    }
+}

@@ -117,3 +117,42 @@ fn a_variable_that_is_left_out_is_told_once() {
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
     assert_eq!(text(&made.stderr).matches("no address of 64 bits").count(), 1, "{}", text(&made.stderr));
 }
+
+/// A project of ST and LD with a task: the task calls its instance in SCL.
+#[test]
+fn projects_of_networks_and_st_become_documents() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let project = r#"<?xml version="1.0" encoding="utf-8"?>
+<project xmlns="http://www.plcopen.org/xml/tc6_0201">
+  <fileHeader companyName="x" productName="x" productVersion="1" creationDateTime="2020-01-01T00:00:00"/>
+  <contentHeader name="p"><coordinateInfo><fbd><scaling x="1" y="1"/></fbd><ld><scaling x="1" y="1"/></ld><sfc><scaling x="1" y="1"/></sfc></coordinateInfo></contentHeader>
+  <types><dataTypes/><pous>
+    <pou name="Lamp" pouType="functionBlock">
+      <interface>
+        <inputVars><variable name="a"><type><BOOL/></type></variable></inputVars>
+        <outputVars><variable name="q"><type><BOOL/></type></variable></outputVars>
+      </interface>
+      <body><LD>
+        <leftPowerRail localId="1"><position x="0" y="0"/><connectionPointOut formalParameter=""/></leftPowerRail>
+        <contact localId="2"><position x="10" y="0"/><connectionPointIn><connection refLocalId="1"/></connectionPointIn><connectionPointOut/><variable>a</variable></contact>
+        <coil localId="3"><position x="20" y="0"/><connectionPointIn><connection refLocalId="2"/></connectionPointIn><connectionPointOut/><variable>q</variable></coil>
+      </LD></body>
+    </pou>
+    <pou name="Main" pouType="program">
+      <interface><localVars><variable name="l"><type><derived name="Lamp"/></type></variable></localVars></interface>
+      <body><ST><xhtml xmlns="http://www.w3.org/1999/xhtml">l(a := TRUE); // shine
+</xhtml></ST></body>
+    </pou>
+  </pous></types>
+  <instances><configurations><configuration name="c"><resource name="r"><task name="t" priority="1" interval="T#10ms"><pouInstance name="m" typeName="Main"/></task></resource></configuration></configurations></instances>
+</project>
+"#;
+    fs::write(folder.join("p.xml"), project).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "p.xml", "--to", "sd", "-o", "p.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let document = fs::read_to_string(folder.join("p.s7dcl")).expect("it is written");
+    assert!(document.contains("Contact( #a )") && document.contains("// shine"), "{document}");
+    let checked = plcc(folder, &["check", "p.s7dcl", "--cpu", "s7-1500"]);
+    assert_eq!(checked.status.code(), Some(0), "{}{document}", text(&checked.stderr));
+}
