@@ -17,6 +17,8 @@ pub const ZERO: u8 = 0;
 pub const OVERFLOW: u8 = 1;
 pub const NEGATIVE: u8 = 2;
 pub const DIVIDE_BY_ZERO: u8 = 3;
+pub const TABLE_FULL: u8 = 4;
+pub const TABLE_EMPTY: u8 = 5;
 pub const NOT_BCD: u8 = 6;
 
 impl S7200Lowering<'_, '_> {

@@ -22,6 +22,7 @@ mod pointer;
 mod probe;
 mod sequence;
 mod shift;
+mod tables;
 
 use plcc_abi::image::{BlockEntry, BlockKind, DbEntry, Kept};
 use plcc_abi::s7200::image::{CpuRow, S7200Image};

@@ -111,35 +111,42 @@ impl S7200Lowering<'_, '_> {
         if let Some(known) = self.known_move(insn, operands) {
             return self.boxed(|lowering| lowering.move_in_place(known, operands));
         }
-        let body = |lowering: &mut Self| {
-            let given: Vec<Value> = row.give.iter().map(|give| lowering.given(*give, operands)).collect();
-            match row.takes {
-                None if insn.eno() == "-" => {
-                    lowering.run_raw(row.operation, &given);
-                }
-                None => lowering.run(row.operation, &given),
-                Some((output, width)) => {
-                    let target = lowering.target(&operands[output], width);
-                    let result = lowering.run_raw(row.operation, &given);
-                    lowering.take_eno(result);
-                    let value = lowering.value_of(result);
-                    let (store, after) = (lowering.b.create_block(), lowering.b.create_block());
-                    let valid = lowering.result_bit(result, result::VALUE);
-                    lowering.b.branch(valid, store, after);
-                    lowering.b.seal_block(store);
-                    lowering.b.switch_to(store);
-                    let value = match width {
-                        Width::Dword => value,
-                        width => lowering.b.trunc(super::plan::ir_type(width), value),
-                    };
-                    lowering.store(target, width, value);
-                    lowering.b.jump(after, &[]);
-                    lowering.b.seal_block(after);
-                    lowering.b.switch_to(after);
-                }
-            }
+        if insn.eno() == "-" {
+            return self.conditional(|lowering| {
+                let given = lowering.all_given(&row, operands);
+                lowering.run_raw(row.operation, &given);
+            });
+        }
+        self.boxed(|lowering| {
+            lowering.table_in_place(insn, operands, |lowering| lowering.perform(&row, operands));
+        });
+    }
+
+    /// An operation that has an ENO.
+    fn perform(&mut self, row: &Row, operands: &[Operand]) {
+        let given = self.all_given(row, operands);
+        let Some((output, width)) = row.takes else { return self.run(row.operation, &given) };
+        let target = self.target(&operands[output], width);
+        let result = self.run_raw(row.operation, &given);
+        self.take_eno(result);
+        let value = self.value_of(result);
+        let (store, after) = (self.b.create_block(), self.b.create_block());
+        let valid = self.result_bit(result, result::VALUE);
+        self.b.branch(valid, store, after);
+        self.b.seal_block(store);
+        self.b.switch_to(store);
+        let value = match width {
+            Width::Dword => value,
+            width => self.b.trunc(super::plan::ir_type(width), value),
         };
-        if insn.eno() == "-" { self.conditional(body) } else { self.boxed(body) }
+        self.store(target, width, value);
+        self.b.jump(after, &[]);
+        self.b.seal_block(after);
+        self.b.switch_to(after);
+    }
+
+    fn all_given(&mut self, row: &Row, operands: &[Operand]) -> Vec<Value> {
+        row.give.iter().map(|give| self.given(*give, operands)).collect()
     }
 
     fn given(&mut self, give: Give, operands: &[Operand]) -> Value {

@@ -66,7 +66,7 @@ impl S7200Lowering<'_, '_> {
     }
 
     /// Whether `bytes` bytes at `pointer` are in V memory, and where there. `None`: it has fewer.
-    fn is_in_v(&mut self, pointer: Value, bytes: u32) -> Option<(Value, Value)> {
+    pub fn is_in_v(&mut self, pointer: Value, bytes: u32) -> Option<(Value, Value)> {
         let length = self.plan.dbs.iter().find(|db| db.number == V_DB)?.length;
         let last = length.checked_sub(bytes)?;
         let offset = self.b.binary_imm(BinaryOp::Isub, pointer, i64::from(pointer_to(pointer::V, 0)));

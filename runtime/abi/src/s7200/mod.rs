@@ -27,6 +27,8 @@ pub const COUNTERS: u32 = 256;
 pub const HIGH_SPEED_COUNTERS: u32 = 6;
 pub const ACCUMULATORS: u32 = 4;
 pub const EVENTS: u32 = 34;
+/// Entries that a table of ATT, FIFO, LIFO and FND may have.
+pub const TABLE_ENTRIES_MAX: u32 = 100;
 
 /// Parts of the system area, as offsets from its start; big-endian.
 pub mod system {

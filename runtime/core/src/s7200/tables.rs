@@ -2,13 +2,10 @@
 //!
 //! A table is its length in entries, the count of entries, then the entries, one word each.
 
-use plcc_abi::s7200::error;
+use plcc_abi::s7200::{TABLE_ENTRIES_MAX, error};
 
 use super::{Operands, access, done, failed, failed_quietly, set_special, sm1, value};
 use crate::cpu::Cpu;
-
-/// Entries that a table may have.
-const ENTRIES_MAX: u32 = 100;
 
 /// The count of entries of the table whose count word is at `count_word`; `None`: the table is not in the `room` bytes from there.
 fn entries(cpu: &Cpu, count_word: u32, room: u32) -> Option<u32> {
@@ -16,7 +13,7 @@ fn entries(cpu: &Cpu, count_word: u32, room: u32) -> Option<u32> {
         return None;
     }
     let count = u32::from(cpu.memory.word(count_word));
-    (count <= ENTRIES_MAX && 2 + 2 * count <= room).then_some(count)
+    (count <= TABLE_ENTRIES_MAX && 2 + 2 * count <= room).then_some(count)
 }
 
 /// A full table sets SM1.4 and does not change.
@@ -27,7 +24,7 @@ pub(super) fn add(cpu: &Cpu, operands: &Operands) -> u64 {
         return failed(cpu, operands, error::RANGE);
     }
     let (length, count) = (u32::from(cpu.memory.word(table)), u32::from(cpu.memory.word(table + 2)));
-    let full = count >= length.min(ENTRIES_MAX);
+    let full = count >= length.min(TABLE_ENTRIES_MAX);
     if !full && room < 4 + 2 * (count + 1) {
         return failed(cpu, operands, error::RANGE);
     }
