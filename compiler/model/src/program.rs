@@ -101,6 +101,13 @@ impl CodeBlock {
     pub fn key(&self) -> BlockKey {
         BlockKey { kind: self.kind, number: self.number }
     }
+
+    /// True if this bit of the instance is a BOOL of a block of the library that shares its byte with nothing: the other bits mean nothing.
+    pub fn is_alone(&self, byte: u32, bit: u8) -> bool {
+        let mut there = self.interface.instance.iter().filter(|member| member.byte == byte);
+        let is_bool = |member: &Member| matches!(member.ty, DataType::Elementary(Elementary::Bool));
+        self.library && bit == 0 && there.next().is_some_and(is_bool) && there.next().is_none()
+    }
 }
 
 /// Parameters and static data of a block.

@@ -199,6 +199,7 @@ impl BlockLowering<'_, '_> {
             let bits = lowering.b.binary_imm(BinaryOp::Shl, address, 3);
             match bit {
                 BitNumber::Known(bit) => lowering.b.binary_imm(BinaryOp::Iadd, bits, i64::from(bit)),
+                BitNumber::Alone => bits,
                 BitNumber::Dynamic(bit) => lowering.b.iadd(bits, bit),
             }
         };

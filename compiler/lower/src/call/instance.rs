@@ -7,7 +7,7 @@ use plcc_model::{Actual, Argument, CodeBlock, Direction, Instance, Parameter, Pa
 use super::{big_endian, is_value};
 use crate::block::BlockLowering;
 use crate::fault::Substitute;
-use crate::place::{self, Target, TargetKind};
+use crate::place::{self, BitNumber, Target, TargetKind};
 
 impl BlockLowering<'_, '_> {
     /// Calls an FB of the program with its instance.
@@ -27,7 +27,7 @@ impl BlockLowering<'_, '_> {
         for argument in arguments {
             let parameter = &callee.interface.parameters[argument.parameter];
             if parameter.direction != Direction::Output || !is_value(parameter.passing) {
-                self.copy_in(parameter, &argument.actual, &base);
+                self.copy_in(callee, parameter, &argument.actual, &base);
             }
         }
         let (instance_db, instance_ar2) = match instance {
@@ -62,19 +62,19 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Puts an actual into the instance.
-    fn copy_in(&mut self, parameter: &Parameter, actual: &Actual, base: &Place) {
-        let (byte, bit) = (parameter.byte, parameter.bit);
+    fn copy_in(&mut self, callee: &CodeBlock, parameter: &Parameter, actual: &Actual, base: &Place) {
+        let byte = parameter.byte;
         match (parameter.passing, actual) {
             (Passing::Elementary(width), Actual::Place(place)) => {
                 let db = self.get(self.regs.db);
                 let value = self.read(place, width);
                 self.set(self.regs.db, db);
-                self.write_instance(base, byte, bit, width, value);
+                self.write_instance(callee, base, parameter, width, value);
             }
             (Passing::Elementary(width), Actual::Const(bytes)) => {
                 let value = self.b.i32_const(big_endian(bytes));
                 let value = if width == Width::Bit { self.b.trunc(Type::I1, value) } else { value };
-                self.write_instance(base, byte, bit, width, value);
+                self.write_instance(callee, base, parameter, width, value);
             }
             (Passing::Complex { .. }, actual) if is_reference(parameter) => {
                 let Actual::Place(place) = actual else { unreachable!("the binder gives IN_OUT variables") };
@@ -92,7 +92,7 @@ impl BlockLowering<'_, '_> {
             }
             (Passing::Number, Actual::Number(number)) => {
                 let value = self.number(number);
-                self.write_instance(base, byte, 0, Width::Word, value);
+                self.write_instance(callee, base, parameter, Width::Word, value);
             }
             (Passing::Pointer | Passing::Any | Passing::Variant, actual) => {
                 let any = parameter.passing != Passing::Pointer;
@@ -157,8 +157,11 @@ impl BlockLowering<'_, '_> {
         self.instance_bit_target(base, byte, 0, width)
     }
 
-    fn write_instance(&mut self, base: &Place, byte: u32, bit: u8, width: Width, value: Value) {
-        let target = self.instance_bit_target(base, byte, bit, width);
+    fn write_instance(&mut self, callee: &CodeBlock, base: &Place, parameter: &Parameter, width: Width, value: Value) {
+        let mut target = self.instance_bit_target(base, parameter.byte, parameter.bit, width);
+        if let TargetKind::Memory { bit: bit @ BitNumber::Known(_), .. } = &mut target.kind {
+            *bit = BitNumber::of(callee, parameter.byte, parameter.bit);
+        }
         self.write_target(target, width, value);
     }
 

@@ -16,7 +16,7 @@ mod transfer;
 use plcc_abi::codes::{access, access_area, sync};
 use plcc_abi::{Type, layout};
 use plcc_ir::{Address, BinaryOp, Region, Value};
-use plcc_model::{Passing, Place, PlaceArea, Width};
+use plcc_model::{CodeBlock, Passing, Place, PlaceArea, Width};
 
 use crate::block::BlockLowering;
 use crate::fault::Check;
@@ -32,8 +32,17 @@ pub enum Direction {
 #[derive(Clone, Copy)]
 pub enum BitNumber {
     Known(u8),
+    /// Bit 0 of a byte whose other bits mean nothing.
+    Alone,
     /// i32, 0..=7.
     Dynamic(Value),
+}
+
+impl BitNumber {
+    /// Of a bit in the instance of a block.
+    pub fn of(block: &CodeBlock, byte: u32, bit: u8) -> BitNumber {
+        if block.is_alone(byte, bit) { BitNumber::Alone } else { BitNumber::Known(bit) }
+    }
 }
 
 /// A place, ready to be accessed once its checks hold.
@@ -118,7 +127,7 @@ impl BlockLowering<'_, '_> {
     /// In the instance of this FB: at AR2 in the DI.
     fn in_instance(&mut self, byte: u32, bit: u8, width: Width, direction: Direction) -> Target {
         match self.instance {
-            Some(base) => Target::at(Address::indexed(Region::AnyDb, base, byte), BitNumber::Known(bit)),
+            Some(base) => Target::at(Address::indexed(Region::AnyDb, base, byte), BitNumber::of(self.block, byte, bit)),
             None => {
                 let ar2 = self.get(self.regs.ar[1]);
                 let effective = self.effective(ar2, 8 * byte + u32::from(bit));

@@ -80,6 +80,7 @@ impl BlockLowering<'_, '_> {
     fn read_memory(&mut self, addr: Address, bit: BitNumber, width: Width) -> Value {
         match (width, bit) {
             (Width::Bit, BitNumber::Known(bit)) => self.b.load_bit(addr, bit),
+            (Width::Bit, BitNumber::Alone) => self.b.load_bit(addr, 0),
             (Width::Bit, BitNumber::Dynamic(bit)) => {
                 let byte = self.load_zero_extended(addr, Width::Byte);
                 let shifted = self.b.binary(BinaryOp::Lshr, byte, bit);
@@ -178,6 +179,10 @@ impl BlockLowering<'_, '_> {
     fn write_memory(&mut self, addr: Address, bit: BitNumber, width: Width, value: Value) {
         match (width, bit) {
             (Width::Bit, BitNumber::Known(bit)) => self.b.store_bit(addr, bit, value),
+            (Width::Bit, BitNumber::Alone) => {
+                let byte = self.b.zext(Type::I8, value);
+                self.b.store(addr, byte);
+            }
             (Width::Bit, BitNumber::Dynamic(bit)) => {
                 let one = self.b.i32_const(1);
                 let mask = self.b.binary(BinaryOp::Shl, one, bit);

@@ -473,7 +473,7 @@ impl BlockLowering<'_, '_> {
         let given = self.given(call, callee);
         let guard = self.begin_guard(at.checks, Substitute::None);
         for given in &given {
-            self.fill(at.addr, &callee.interface.parameters[given.parameter], given, false);
+            self.fill(at.addr, callee, given, false);
         }
         let registers = [self.regs.db, self.regs.di, self.regs.ar[1]].map(|register| (register, self.get(register)));
         let di = self.get(self.regs.di);
@@ -529,7 +529,7 @@ impl BlockLowering<'_, '_> {
         if !known.is_some_and(|(source, to)| self.known_block_move(callee, structure, source, to)) {
             self.b.clear(structure, bytes);
             for given in &given {
-                self.fill(structure, &callee.interface.parameters[given.parameter], given, true);
+                self.fill(structure, callee, given, true);
             }
             self.run_system_function(callee, structure);
         }

@@ -352,7 +352,7 @@ impl BlockLowering<'_, '_> {
             }
         };
         let total = match *bit {
-            BitNumber::Known(0) => offset,
+            BitNumber::Known(0) | BitNumber::Alone => offset,
             BitNumber::Known(bit) => self.b.binary_imm(BinaryOp::Iadd, offset, i64::from(bit)),
             BitNumber::Dynamic(bit) => self.b.iadd(offset, bit),
         };

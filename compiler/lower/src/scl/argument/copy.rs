@@ -2,7 +2,7 @@
 
 use plcc_ir::{Address, Type, Value};
 use plcc_model::types::DataType;
-use plcc_model::{Direction, Parameter, Passing, Width};
+use plcc_model::{CodeBlock, Direction, Parameter, Passing, Width};
 
 use super::{Back, Given, Source, Supply};
 use crate::block::BlockLowering;
@@ -13,7 +13,8 @@ use crate::scl::text::{OWN_MAXIMUM, Text, TextPlace};
 
 impl BlockLowering<'_, '_> {
     /// Writes the input to the formal's place, relative to `base`. For a system function, all complex values are copies.
-    pub fn fill(&mut self, base: Address, parameter: &Parameter, given: &Given, system: bool) {
+    pub fn fill(&mut self, base: Address, callee: &CodeBlock, given: &Given, system: bool) {
+        let parameter = &callee.interface.parameters[given.parameter];
         let addr = moved(base, parameter.byte);
         match (&given.supply, parameter.passing) {
             (Supply::Nothing, Passing::Complex { bytes }) if system && given.back.is_some() => {
@@ -22,7 +23,8 @@ impl BlockLowering<'_, '_> {
             }
             (Supply::Nothing, _) => {}
             (Supply::Value(value), Passing::Elementary(width)) => {
-                self.write_target(Target::at(addr, BitNumber::Known(parameter.bit)), width, *value);
+                let bit = BitNumber::of(callee, parameter.byte, parameter.bit);
+                self.write_target(Target::at(addr, bit), width, *value);
             }
             (Supply::Number(value), _) => self.store_low(addr, Width::Word, *value),
             (Supply::Pointer(source), passing) => self.store_pointer_source(addr, source, passing != Passing::Pointer),
