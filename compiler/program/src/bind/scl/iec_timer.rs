@@ -16,7 +16,9 @@ use plcc_model::types::DataType;
 impl SclBinder<'_, '_> {
     /// The time begins again: no time has passed, Q is FALSE, and an IN that is TRUE counts as a rising edge.
     pub(super) fn reset_timer(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
-        let members = self.timer_members(ctx, pins.get("TIMER")?, &["Q", "ET", "RU", "OLD"])?;
+        // Those of LTIME have two bits in place of a state.
+        let members =
+            self.timer_members(ctx, pins.get("TIMER")?, &[&["Q", "ET", "STATE"], &["Q", "ET", "RU", "OLD"]])?;
         let zero = |target: Access| {
             let value = constant_expr(0, target.elementary()?, span);
             Some(StatementKind::Assign { target, value })
@@ -26,7 +28,7 @@ impl SclBinder<'_, '_> {
 
     /// The running time then also ends with the new PT; a negative one is 0, as at a start.
     pub(super) fn preset_timer(&mut self, ctx: &mut SclBlock, pins: &Pins) -> Option<Vec<StatementKind>> {
-        let members = self.timer_members(ctx, pins.get("TIMER")?, &["PT", "LATCHED"])?;
+        let members = self.timer_members(ctx, pins.get("TIMER")?, &[&["PT", "LATCHED"]])?;
         let Ok([preset, latched]) = <[Access; 2]>::try_from(members) else { return None };
         // LTIME of a TON_LTIME.
         let ty = preset.elementary().unwrap_or(Elementary::Time);
@@ -40,8 +42,8 @@ impl SclBinder<'_, '_> {
         Some(code)
     }
 
-    /// Components of the instance of an IEC timer.
-    fn timer_members(&mut self, ctx: &mut SclBlock, node: &Node, names: &[&str]) -> Option<Vec<Access>> {
+    /// Components of the instance of an IEC timer: the first of the lists of names that it has.
+    fn timer_members(&mut self, ctx: &mut SclBlock, node: &Node, lists: &[&[&str]]) -> Option<Vec<Access>> {
         let access = self.access(ctx, node, Intent::Both)?;
         let member = |name: &&str| match &access.ty {
             DataType::Struct(ty) => {
@@ -50,7 +52,9 @@ impl SclBinder<'_, '_> {
             }
             _ => None,
         };
-        let members: Option<Vec<Access>> = names.iter().map(member).collect();
+        let members: Option<Vec<Access>> = lists.iter().find_map(|names| names.iter().map(member).collect());
+        // Those of an S7-300 have a STATE, too.
+        let members = members.filter(|_| member(&"LATCHED").is_some());
         if members.is_none() {
             let label = format!("of type {}", layout::type_name(&access.ty));
             let help =
