@@ -24,7 +24,7 @@ use crate::arithmetic::bcd::Bcd;
 use crate::block::BlockLowering;
 use crate::fault::Substitute;
 
-/// The start of a timer whose time is known at compile time.
+/// The start of a timer.
 #[derive(Clone, Copy)]
 struct Start {
     cell: Cell,
@@ -33,8 +33,9 @@ struct Start {
     value: Value,
     /// An i1.
     rlo: Value,
-    units: u32,
-    base: u32,
+    /// Units and base of the S5TIME, i32.
+    units: Value,
+    base: Value,
 }
 
 /// What a start or stop writes into the cell.
@@ -126,27 +127,12 @@ impl BlockLowering<'_, '_> {
         }
         let check = self.bcd_check(ok);
         let inner = self.begin_guard(vec![check], Substitute::None);
-        let known = match (self.b.constant_bits(value), self.b.constant_bits(units), self.b.constant_bits(valid)) {
-            (Some(value), Some(units), Some(1)) => Some((units as u32, value as u32 >> 12 & 3)),
-            _ => None,
-        };
-        match known {
-            Some((units, base)) => self.start_known(Start { cell, mode, value, rlo, units, base }),
-            None => self.start_unknown(cell, mode, value, rlo),
-        }
+        let base = self.b.binary_imm(BinaryOp::Lshr, value, 12);
+        let base = self.b.binary_imm(BinaryOp::And, base, 3);
+        self.start_by_edge(Start { cell, mode, value, rlo, units, base });
         self.end_guard(inner);
         self.end_guard(guard);
         self.end_logic_string();
-    }
-
-    /// A time that is not known: the runtime acts on an edge.
-    fn start_unknown(&mut self, cell: Cell, mode: TimerMode, value: Value, rlo: Value) {
-        let old = self.b.load(Type::I8, cell.field(timer_cell::START_EDGE));
-        let edge = self.b.zext(Type::I8, rlo);
-        let changed = self.b.icmp(IntCc::Ne, old, edge);
-        let after = self.begin_when(changed);
-        self.start_in_runtime(cell, mode, value, rlo);
-        self.go_on(after);
     }
 
     fn start_in_runtime(&mut self, cell: Cell, mode: TimerMode, value: Value, rlo: Value) {
@@ -165,7 +151,7 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Acts on an edge. Both edges of a timer are one path, since what comes next in a program is often hard to foresee.
-    fn start_known(&mut self, start: Start) {
+    fn start_by_edge(&mut self, start: Start) {
         let edge_at = start.cell.field(timer_cell::START_EDGE);
         let old = self.b.load(Type::I8, edge_at);
         let edge = self.b.zext(Type::I8, start.rlo);
@@ -220,12 +206,13 @@ impl BlockLowering<'_, '_> {
     fn run_fields(&mut self, start: &Start, after: Block) -> Fields {
         let is_on_after = is_on_after(start.mode);
         let status_after = if is_on_after { timer_cell::STATUS_AFTER } else { 0 };
-        let info = start.units | start.base << timer_cell::BASE_SHIFT | status_after;
-        if start.units == 0 {
-            // Over at once.
-            let never = self.b.iconst(Type::I64, 0);
-            let info = self.b.i32_const(info | status_bit(is_on_after));
-            return Fields { end: never, step: never, info };
+        let base = self.b.binary_imm(BinaryOp::Shl, start.base, i64::from(timer_cell::BASE_SHIFT));
+        let info = self.b.or(start.units, base);
+        let info = self.b.binary_imm(BinaryOp::Or, info, i64::from(status_after));
+        let is_over = self.b.icmp_imm(IntCc::Eq, start.units, 0);
+        let is_known = self.b.constant_bits(is_over);
+        if is_known == Some(1) {
+            return self.fields_at_once(info, is_on_after);
         }
         let countdown = self.countdown();
         let asks = self.b.icmp_imm(IntCc::Eq, countdown, state::ASK as i64);
@@ -237,22 +224,51 @@ impl BlockLowering<'_, '_> {
         self.b.jump(after, &[]);
         self.b.seal_block(go);
         self.b.switch_to(go);
-        let info = match start.mode {
+        let running = match start.mode {
             TimerMode::Pulse | TimerMode::ExtendedPulse | TimerMode::OffDelay => {
-                self.b.i32_const(info | timer_cell::STATUS)
+                self.b.binary_imm(BinaryOp::Or, info, i64::from(timer_cell::STATUS))
             }
-            TimerMode::OnDelay => self.b.i32_const(info),
+            TimerMode::OnDelay => info,
             TimerMode::RetentiveOnDelay => {
                 let status = self.status_now(start.cell, countdown);
-                self.b.binary_imm(BinaryOp::Or, status, i64::from(info))
+                self.b.or(status, info)
             }
         };
-        let unit = 10_000_000 * 10i64.pow(start.base);
-        let mut moment = |units: u32| {
-            let time = self.b.iconst(Type::I64, unit * i64::from(units));
-            self.b.isub(countdown, time)
-        };
-        Fields { end: moment(start.units), step: moment(1), info }
+        let unit = self.unit(start.base);
+        let units = self.b.zext(Type::I64, start.units);
+        let time = self.b.binary(BinaryOp::Imul, unit, units);
+        let fields = Fields { end: self.b.isub(countdown, time), step: self.b.isub(countdown, unit), info: running };
+        if is_known == Some(0) {
+            return fields;
+        }
+        let over = self.fields_at_once(info, is_on_after);
+        Fields {
+            end: self.b.select(is_over, over.end, fields.end),
+            step: self.b.select(is_over, over.step, fields.step),
+            info: self.b.select(is_over, over.info, fields.info),
+        }
+    }
+
+    /// Of a time of 0: over at once.
+    fn fields_at_once(&mut self, info: Value, is_on_after: bool) -> Fields {
+        let never = self.b.iconst(Type::I64, 0);
+        let info = self.b.binary_imm(BinaryOp::Or, info, i64::from(status_bit(is_on_after)));
+        Fields { end: never, step: never, info }
+    }
+
+    /// Nanoseconds of a unit, an i64: 10 ms, 100 ms, 1 s or 10 s.
+    fn unit(&mut self, base: Value) -> Value {
+        let unit = |base: u32| 10_000_000 * 10i64.pow(base);
+        if let Some(base) = self.b.constant_bits(base) {
+            return self.b.iconst(Type::I64, unit(base as u32));
+        }
+        let [odd, upper] = [1, 2].map(|bit| {
+            let bit = self.b.binary_imm(BinaryOp::And, base, bit);
+            self.b.icmp_imm(IntCc::Ne, bit, 0)
+        });
+        let [unit_0, unit_1, unit_2, unit_3] = [0, 1, 2, 3].map(|base| self.b.iconst(Type::I64, unit(base)));
+        let (lower_units, upper_units) = (self.b.select(odd, unit_1, unit_0), self.b.select(odd, unit_3, unit_2));
+        self.b.select(upper, upper_units, lower_units)
     }
 
     /// `STATUS` if the status is 1 at `countdown`, else 0.
