@@ -75,8 +75,13 @@ fn call(reader: &mut Reader, info: Node, whose: &str) -> Result<(), Refused> {
         let local = instance.attribute("Scope").is_some_and(|scope| scope.starts_with("Local"));
         let path = operand::path(instance, local, Notation::Stl, 0);
         let path = path.map_err(|unreadable| reader.refuse_access(&unreadable, whose))?;
-        // A multi-instance is called by its own name.
-        text = if local { path } else { format!("{text}, {path}") };
+        // A multi-instance is called by its own name, unless its data is that of several instructions.
+        let needs_name = is(info, "Instruction") && SHARED_DATA.iter().any(|known| known.eq_ignore_ascii_case(name));
+        text = match local {
+            true if needs_name => format!("{name}, {path}"),
+            true => path,
+            false => format!("{text}, {path}"),
+        };
     }
     let mut parameters = Vec::new();
     let mut types = Vec::new();
@@ -123,6 +128,9 @@ fn call(reader: &mut Reader, info: Node, whose: &str) -> Result<(), Refused> {
     }
     tokens::put(reader, info, ")", info.range().end.saturating_sub(1), whose)
 }
+
+/// Instructions whose instances may be of the type IEC_TIMER or IEC_COUNTER, which does not say which instruction is meant.
+const SHARED_DATA: [&str; 7] = ["TP", "TON", "TOF", "TONR", "CTU", "CTD", "CTUD"];
 
 /// Tokens of the export whose mnemonics have other letters.
 #[rustfmt::skip]
