@@ -6,7 +6,7 @@ use plcc_syntax::ast::{
     AddressRegister, Area, BlockPrefix, CellKind, Operand, OperandKind, Path, PathPart, PathRoot, Width,
 };
 use plcc_syntax::literal::Literal;
-use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, UnaryOp};
+use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, NameForm, UnaryOp};
 use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::stl::letters;
 
@@ -162,6 +162,30 @@ pub(crate) fn constant(value: &Expr) -> Option<Literal> {
         SclLiteral::WideText(_) | SclLiteral::Dtl(_) | SclLiteral::Nil | SclLiteral::Null => return None,
     };
     (!negative).then_some(literal)
+}
+
+/// Whether a constant is one that STL only declares, and writes as SCL does: `LT#5us`, a number of 64 bits, `#MAX`.
+pub(crate) fn only_declared(value: &Expr) -> bool {
+    let kind = match &value.kind {
+        ExprKind::Unary { op: UnaryOp::Minus, operand } => &operand.kind,
+        kind => kind,
+    };
+    if let ExprKind::Name(name) = kind {
+        return name.form == NameForm::Local;
+    }
+    let ExprKind::Literal(literal) = kind else { return false };
+    match literal {
+        SclLiteral::Integer { value, .. } => *value > u64::from(u32::MAX),
+        SclLiteral::Real(value) => (*value as f32).is_infinite(),
+        SclLiteral::Typed { ty, bits } => typed(*ty, *bits).is_none(),
+        SclLiteral::WideText(_) | SclLiteral::Dtl(_) => true,
+        SclLiteral::Text { .. }
+        | SclLiteral::DateAndTime(_)
+        | SclLiteral::Pointer { .. }
+        | SclLiteral::Any(_)
+        | SclLiteral::Nil
+        | SclLiteral::Null => false,
+    }
 }
 
 /// The constant of STL with that type and these bits.

@@ -132,6 +132,7 @@ impl Writer<'_> {
             }
             InitialKind::Repeat { count, values } => format!("{}({})", self.bound(count), self.initials(values)),
             InitialKind::Expr(constant) => match (self.notation, operand::constant(constant)) {
+                (Notation::Stl, _) if operand::only_declared(constant) => expression::text(constant, self),
                 (Notation::Stl, Some(constant)) => literal::stl(&constant, self.mnemonics),
                 (Notation::Stl, None) => {
                     self.needs_scl(value.span, "an expression as an initial value");

@@ -298,8 +298,10 @@ pub fn initial_literal(state: &State, value: Literal, range: Range<usize>) -> In
 
 /// A constant that only declarations have, with its sign: the expression that it is in SCL.
 pub fn long_literal(state: &State, (value, negative): (scl::ast::Literal, bool), range: Range<usize>) -> InitialValue {
-    let span = state.span(range);
-    let mut constant = Expr { kind: ExprKind::Literal(value), span };
+    let text = &state.text[range.clone()];
+    let unsigned = if negative { text[1..].trim_start() } else { text };
+    let (start, span) = (range.end - unsigned.len(), state.span(range.clone()));
+    let mut constant = Expr { kind: ExprKind::Literal(value), span: state.span(start..range.end) };
     if negative {
         constant = Expr { kind: ExprKind::Unary { op: UnaryOp::Minus, operand: Box::new(constant) }, span };
     }
