@@ -3,6 +3,7 @@
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Bound, DataContent, InitialKind, InitialValue, TypeKind, TypeRef, Variable};
+use plcc_syntax::scl::ast::Name;
 
 use crate::scl::expression;
 use crate::to_stl::types::elementary;
@@ -75,7 +76,12 @@ impl Writer<'_> {
                     && places(elements, bounds).is_some_and(|places| places.into_iter().all(fits))
             }
             (InitialKind::Elements(_), _) => false,
-            (InitialKind::Fields(fields), _) => !is_stl && !fields.iter().any(|(_, value)| has_elements(value)),
+            // STL has the values of a structure in their order only.
+            (InitialKind::Fields(fields), _) => {
+                let fits =
+                    |(name, value): &(Option<Name>, InitialValue)| !(is_stl && name.is_some()) && !has_elements(value);
+                fields.iter().all(fits)
+            }
             (
                 InitialKind::Literal(_)
                 | InitialKind::List(_)
@@ -128,7 +134,8 @@ impl Writer<'_> {
             InitialKind::Literal(constant) => self.slice(value.span, constant),
             InitialKind::List(values) => {
                 let list = self.initials(values);
-                if self.notation == Notation::Stl { list } else { format!("[{list}]") }
+                let of_structures = values.iter().any(|value| matches!(value.kind, InitialKind::Fields(_)));
+                if self.notation == Notation::Stl && !of_structures { list } else { format!("[{list}]") }
             }
             InitialKind::Repeat { count, values } => format!("{}({})", self.bound(count), self.initials(values)),
             InitialKind::Expr(constant) => match (self.notation, operand::constant(constant)) {
@@ -146,12 +153,17 @@ impl Writer<'_> {
             }
             InitialKind::Elements(_) => self.no_elements(value.span),
             InitialKind::Fields(fields) => {
-                self.needs_scl(value.span, "initial values of a structure");
+                if fields.iter().any(|(name, _)| name.is_some()) {
+                    self.needs_scl(value.span, "the names of components in an initial value");
+                }
                 let list: Vec<String> = fields
                     .iter()
-                    .map(|(name, value)| match name {
-                        Some(name) => format!("{} := {}", self.declared(&name.text, name.span), self.initial(value)),
-                        None => self.initial(value),
+                    .map(|(name, value)| match (name, &value.kind) {
+                        (Some(name), _) => {
+                            format!("{} := {}", self.declared(&name.text, name.span), self.initial(value))
+                        }
+                        (None, InitialKind::List(values)) => format!("[{}]", self.initials(values)),
+                        (None, _) => self.initial(value),
                     })
                     .collect();
                 format!("({})", list.join(", "))

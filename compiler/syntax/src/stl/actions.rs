@@ -315,6 +315,16 @@ pub fn local_constant(state: &State, name: &str, range: Range<usize>) -> Initial
     InitialValue { kind: InitialKind::Expr(Box::new(Expr { kind: ExprKind::Name(name), span })), span }
 }
 
+/// `(5, TRUE)`, `()`: the components of a structure in their order; `None`: one was reported.
+pub fn values_of_structure(
+    state: &State,
+    values: Option<Vec<Option<InitialValue>>>,
+    range: Range<usize>,
+) -> Option<InitialValue> {
+    let fields: Option<Vec<_>> = values.unwrap_or_default().into_iter().map(|value| Some((None, value?))).collect();
+    Some(InitialValue { kind: InitialKind::Fields(fields?), span: state.span(range) })
+}
+
 /// `6 (0)`.
 pub fn repeated(
     state: &mut State,

@@ -66,6 +66,8 @@ pub enum Tok<'a> {
     StringType,
     WideStringType,
     At,
+    /// `(` before the values of a structure, `(5, TRUE)`.
+    Values,
     /// A value in an attribute list, without quotes.
     AttributeValue(&'a str),
     /// `;` in an attribute list.

@@ -348,6 +348,7 @@ impl<'a> Classifier<'a, '_> {
                 self.take_up_to(Tok::Local(name), after);
             }
             RawKind::Hash => self.at += 1,
+            RawKind::LeftParen if self.begins_structure() => self.take(Tok::Values),
             RawKind::Equal => self.equal_for_assign(),
             kind => match sign(kind) {
                 Some(tok) => self.take(tok),
@@ -363,6 +364,20 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
+    /// Whether `(` begins the values of a structure: it is the start value of a variable that is no array, or inside such a value.
+    fn begins_structure(&self) -> bool {
+        match self.last() {
+            Some(Tok::Values | Tok::LeftBracket | Tok::Comma) => true,
+            Some(Tok::Assign) => {
+                let before = self.out.iter().rposition(|(_, token, _)| matches!(token, Tok::Colon | Tok::Semicolon));
+                before.is_some_and(|at| {
+                    matches!(self.out[at].1, Tok::Colon) && !matches!(self.out.get(at + 1), Some((_, Tok::Array, _)))
+                })
+            }
+            _ => false,
+        }
+    }
+
     /// A word of a declaration: a type after `:` and `OF`, a value after `:=`, otherwise a name.
     fn declaration_word(&mut self) {
         let token = self.raw[self.at];
@@ -371,7 +386,8 @@ impl<'a> Classifier<'a, '_> {
         }
         let upper = self.upper(self.at);
         let name = self.slice(token);
-        let in_value = matches!(self.last(), Some(Tok::Assign | Tok::Comma | Tok::LeftParen | Tok::LeftBracket));
+        let in_value =
+            matches!(self.last(), Some(Tok::Assign | Tok::Comma | Tok::LeftParen | Tok::LeftBracket | Tok::Values));
         match upper.as_str() {
             "OF" if matches!(self.last(), Some(Tok::RightBracket)) => self.take(Tok::Of),
             "AT" if matches!(self.last(), Some(Tok::Name(_) | Tok::RightBrace | Tok::Quoted(_)))
