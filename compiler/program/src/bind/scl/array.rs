@@ -71,8 +71,8 @@ impl SclBinder<'_, '_> {
         if let Some(copy) = whole_copy(&source, &target, &count) {
             return Some(vec![copy]);
         }
-        if !self.check_count(&source, &count) {
-            self.check_count(&target, &count);
+        if !self.check_length(&source, &count) {
+            self.check_length(&target, &count);
         }
         let mut code = Vec::new();
         let from = self.kept(ctx, &mut code, source.first.clone());
@@ -131,7 +131,7 @@ impl SclBinder<'_, '_> {
             code.extend(filled);
             return Some(code);
         }
-        self.check_count(&target, &count);
+        self.check_length(&target, &count);
         let to = self.kept(ctx, &mut code, target.first.clone());
         let left = self.temp(ctx, Elementary::Dint, span);
         code.push(StatementKind::Assign { target: left.clone(), value: count });
@@ -149,7 +149,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// Warns of a COUNT that is a number and more than the elements of the array from the first one on; true if it does.
-    fn check_count(&mut self, run: &Run, count: &Expr) -> bool {
+    fn check_length(&mut self, run: &Run, count: &Expr) -> bool {
         let (ExprKind::Const(first), ExprKind::Const(number), IndexBounds::Known(_, high)) =
             (&run.first.kind, &count.kind, run.bounds)
         else {
