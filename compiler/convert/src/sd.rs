@@ -253,9 +253,7 @@ impl Writer<'_> {
                     self.remarks_before(end);
                 }
             }
-            Content::Stl(_) => {
-                self.refuse(network.span, format!("a network in {language} has no rungs"), "write it in LAD or FBD")
-            }
+            Content::Stl(_) => self.refuse(network.span, "a network in STL has no rungs", "write it in LAD or FBD"),
         }
         self.out.dedent();
         self.out.line("END_NETWORK");
