@@ -78,9 +78,9 @@ impl Writer<'_> {
             (InitialKind::Elements(_), _) => false,
             // STL has the values of a structure in their order only.
             (InitialKind::Fields(fields), _) => {
-                let fits =
-                    |(name, value): &(Option<Name>, InitialValue)| !(is_stl && name.is_some()) && !has_elements(value);
-                fields.iter().all(fits)
+                let is_left =
+                    |(name, value): &(Option<Name>, InitialValue)| is_stl && name.is_some() || has_elements(value);
+                !fields.iter().any(is_left)
             }
             (
                 InitialKind::Literal(_)
