@@ -4,14 +4,39 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, Statement, UnaryOp, walk};
 use plcc_syntax::Elementary;
 use plcc_syntax::article::with_article;
+use rustc_hash::FxHashSet;
 
 /// Reports the divisions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
-    walk::statements(list, &mut Divisions { text, explicit: false, found });
+    let mut remainders = Remainders { text, found: FxHashSet::default() };
+    walk::statements(list, &mut remainders);
+    let remainders = remainders.found;
+    walk::statements(list, &mut Divisions { text, remainders, explicit: false, found });
+}
+
+/// Looks for the dividends and divisors of MOD.
+struct Remainders<'r> {
+    text: &'r dyn Fn(Span) -> String,
+    found: FxHashSet<(String, String)>,
+}
+
+impl walk::Visitor for Remainders<'_> {
+    fn expr(&mut self, value: &Expr) {
+        if let ExprKind::Binary { op: BinaryOp::Modulo, left, right } = &value.kind {
+            self.found.insert((comparable((self.text)(left.span)), comparable((self.text)(right.span))));
+        }
+    }
+}
+
+/// A text without the blanks and the letter case that make no difference.
+fn comparable(text: String) -> String {
+    text.to_uppercase().split_whitespace().collect()
 }
 
 struct Divisions<'r> {
     text: &'r dyn Fn(Span) -> String,
+    /// The dividends and divisors of which the block has the remainder, too.
+    remainders: FxHashSet<(String, String)>,
     /// The statement has a function of conversion, which says what is meant.
     explicit: bool,
     found: &'r mut Vec<Diagnostic>,
@@ -65,8 +90,8 @@ impl Divisions<'_> {
         }
     }
 
-    /// A quotient of whole numbers that is multiplied: `i / j * 100` is 0 for each `i` below `j`. With a constant divisor, or the same number
-    /// as divisor and factor, the fraction is mostly meant to go.
+    /// A quotient of whole numbers that is multiplied: `i / j * 100` is 0 for each `i` below `j`. With a constant divisor, the same number as
+    /// divisor and factor, or `i MOD j` in the block, the fraction is mostly meant to go.
     fn multiplied(&mut self, left: &Expr, right: &Expr) {
         let divided = |value: &Expr| matches!(value.kind, ExprKind::Binary { op: BinaryOp::Divide, .. });
         let (quotient, factor) = if divided(left) { (left, right) } else { (right, left) };
@@ -74,8 +99,9 @@ impl Divisions<'_> {
         let sign = Span { end: divisor.span.start, start: dividend.span.end, ..quotient.span };
         let (dividend, by, factor) = ((self.text)(dividend.span), (self.text)(divisor.span), (self.text)(factor.span));
         let is_told = self.found.last().is_some_and(|last| last.primary.span == quotient.span);
+        let has_remainder = self.remainders.contains(&(comparable(dividend.clone()), comparable(by.clone())));
         let is_meant = matches!(divisor.kind, ExprKind::Const(_)) || by == factor || !(self.text)(sign).contains('/');
-        if is_told || is_meant {
+        if is_told || is_meant || has_remainder {
             return;
         }
         self.found.push(
