@@ -274,7 +274,13 @@ impl SclBinder<'_, '_> {
             _ => None,
         };
         let [low, _, high] = arguments else { return };
-        if number(low).zip(number(high)).is_some_and(|(low, high)| low >= high) {
+        if let Some((least, greatest)) = number(low).zip(number(high))
+            && least >= greatest
+        {
+            let help = match least > greatest {
+                true => format!("exchange them; for the other direction use {reversed}"),
+                false => "write two limits that differ".to_owned(),
+            };
             let globals = &self.program.globals;
             let (span, low, high) = (low.span, globals.text(low.span), globals.text(high.span));
             self.refuse(
@@ -282,7 +288,7 @@ impl SclBinder<'_, '_> {
                 span,
                 &format!("MIN is `{low}`, which is not below MAX, `{high}`"),
                 "nothing is computed, and ENO is FALSE",
-                &format!("exchange them; for the other direction use {reversed}"),
+                &help,
             );
         }
     }
