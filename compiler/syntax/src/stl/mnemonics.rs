@@ -184,6 +184,7 @@ pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected 
     let mut counts = [0u32; 2];
     let mut first = [None; 2];
     let mut operand_counts = [0u32; 2];
+    let mut addresses = [0u32; 2];
     let tokens = &raw.tokens;
     for (index, token) in tokens.iter().enumerate() {
         if token.kind != RawKind::Word || token.end - token.start > 5 {
@@ -202,18 +203,25 @@ pub fn detect(text: &str, raw: &RawText, wanted: Option<Mnemonics>) -> Detected 
             && let Some(set) = set_of_operand(upper.as_str(), next)
         {
             operand_counts[set as usize] += 1;
+            addresses[set as usize] += u32::from(is_address(next, tokens.get(index + 2)));
         }
     }
     let decided = if counts != [0, 0] { counts } else { operand_counts };
     let found = if decided[1] > decided[0] { Mnemonics::De } else { Mnemonics::En };
-    let set = wanted.unwrap_or(if outweighed(found, counts, operand_counts) { other(found) } else { found });
+    let set = wanted.unwrap_or(if outweighed(found, counts, operand_counts, addresses) { other(found) } else { found });
     Detected { set, is_shown: decided != [0, 0], first: [first[set as usize], first[other(set) as usize]] }
 }
 
 /// Whether the addresses say that the file has the other set, and its few mnemonics of `set` are slips.
-fn outweighed(set: Mnemonics, mnemonics: [u32; 2], operands: [u32; 2]) -> bool {
+fn outweighed(set: Mnemonics, mnemonics: [u32; 2], operands: [u32; 2], addresses: [u32; 2]) -> bool {
     let (own, other) = (set as usize, other(set) as usize);
-    operands[other] > 2 * (mnemonics[own] + operands[own])
+    addresses[other] > 2 * (mnemonics[own] + operands[own])
+}
+
+/// Whether the letters before `next` are an address and no name such as `I1`: `I 0.1`, `I0.1`, `IW 10`.
+fn is_address(next: Option<&RawToken>, after: Option<&RawToken>) -> bool {
+    let number = |token: &RawToken| !token.first_on_line && matches!(token.kind, RawKind::Number | RawKind::Real);
+    next.is_some_and(|next| number(next) || next.kind == RawKind::Dot && after.is_some_and(number))
 }
 
 /// The set, if only one has the mnemonic, and if the next token can follow a mnemonic.
