@@ -367,7 +367,8 @@ impl<'a> Classifier<'a, '_> {
     /// Whether `(` begins the values of a structure: it is the start value of a variable that is no array, or inside such a value.
     fn begins_structure(&self) -> bool {
         match self.last() {
-            Some(Tok::Values | Tok::LeftBracket | Tok::Comma) => true,
+            // A parenthesis in a parenthesis is `2((5, TRUE))`.
+            Some(Tok::Values | Tok::LeftBracket | Tok::LeftParen | Tok::Comma) => true,
             Some(Tok::Assign) => {
                 let before = self.out.iter().rposition(|(_, token, _)| matches!(token, Tok::Colon | Tok::Semicolon));
                 before.is_some_and(|at| {
@@ -410,6 +411,8 @@ impl<'a> Classifier<'a, '_> {
         match token.kind {
             RawKind::Quoted => {
                 let name = unquoted(self.slice(token));
+                // A component may have 64 bits.
+                self.may_be_long = true;
                 self.take(Tok::Quoted(name));
             }
             RawKind::Word => match self.upper(self.at).as_str() {

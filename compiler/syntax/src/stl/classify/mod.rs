@@ -95,7 +95,7 @@ struct Classifier<'a, 'r> {
     both_sets: bool,
     /// The file has mnemonics of both sets, which has been reported.
     mixed: bool,
-    /// A start value may have 64 bits: the type before it has, or no type is before it, after BEGIN.
+    /// A start value may have 64 bits: the type before it has, or is a structure, or no type is before it, after BEGIN.
     may_be_long: bool,
 }
 
