@@ -340,9 +340,7 @@ impl<'a> Classifier<'a, '_> {
                 let name = unquoted(self.slice(token));
                 self.take(Tok::Quoted(name));
             }
-            RawKind::Hash
-                if matches!(self.last(), Some(Tok::Assign)) && self.kind_at(self.at + 1) == Some(RawKind::Word) =>
-            {
+            RawKind::Hash if self.kind_at(self.at + 1) == Some(RawKind::Word) && self.begins_value() => {
                 let after = self.at + 2;
                 let name = self.slice(self.raw[after - 1]);
                 self.take_up_to(Tok::Local(name), after);
@@ -361,6 +359,22 @@ impl<'a> Classifier<'a, '_> {
                     }
                 }
             },
+        }
+    }
+
+    /// Whether a start value is next, alone or in a list; not a bound of an array.
+    fn begins_value(&self) -> bool {
+        const BOUNDS_MAX: usize = 64;
+        match self.last() {
+            Some(Tok::Assign | Tok::Values | Tok::LeftParen) => true,
+            Some(Tok::LeftBracket | Tok::Comma) => {
+                let ends = |token: &&Tok<'_>| {
+                    matches!(token, Tok::Assign | Tok::Array | Tok::Semicolon | Tok::Section(_) | Tok::Struct)
+                };
+                let mut before = self.out.iter().rev().take(BOUNDS_MAX).map(|(_, token, _)| token);
+                before.find(ends).is_none_or(|token| matches!(token, Tok::Assign))
+            }
+            _ => false,
         }
     }
 
