@@ -106,7 +106,10 @@ impl Classifier<'_, '_> {
 
     /// The keyword that belongs to the end of `PROGRAM Main … END_ORGANIZATION_BLOCK`.
     fn meant_by_program(&self) -> Option<Keyword> {
-        match self.raw[self.at..].iter().find_map(|token| token.keyword.filter(|word| word.ends_block()))? {
+        let frames =
+            |index: &usize| self.keyword_at(*index).is_some_and(Keyword::ends_block) || self.block_begins(*index);
+        let end = (self.at + 1..self.raw.len()).find(frames)?;
+        match self.keyword_at(end)? {
             Keyword::EndOrganizationBlock => Some(Keyword::OrganizationBlock),
             Keyword::EndFunctionBlock => Some(Keyword::FunctionBlock),
             _ => None,
