@@ -72,7 +72,8 @@ impl<'a> Classifier<'a, '_> {
             _ => return false,
         };
         // The first step of a chart that has no other initial one.
-        let initial = !self.out.iter().any(|(_, token, _)| matches!(token, Tok::Step(_)))
+        let initial = !transition
+            && !self.out.iter().any(|(_, token, _)| matches!(token, Tok::Step(_)))
             && !(self.at..self.raw.len()).any(|index| self.keyword_at(index) == Some(Keyword::InitialStep));
         let keyword = match (transition, initial) {
             (true, _) => Keyword::Transition,

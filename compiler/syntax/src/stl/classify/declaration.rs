@@ -362,17 +362,21 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
+    /// The last tokens, from the end on: at least those of a type, and of the bounds of an array.
+    fn before(&self) -> impl Iterator<Item = &Tok<'a>> {
+        const BEFORE_MAX: usize = 64;
+        self.out.iter().rev().take(BEFORE_MAX).map(|(_, token, _)| token)
+    }
+
     /// Whether a start value is next, alone or in a list; not a bound of an array.
     fn begins_value(&self) -> bool {
-        const BOUNDS_MAX: usize = 64;
         match self.last() {
             Some(Tok::Assign | Tok::Values | Tok::LeftParen) => true,
             Some(Tok::LeftBracket | Tok::Comma) => {
                 let ends = |token: &&Tok<'_>| {
                     matches!(token, Tok::Assign | Tok::Array | Tok::Semicolon | Tok::Section(_) | Tok::Struct)
                 };
-                let mut before = self.out.iter().rev().take(BOUNDS_MAX).map(|(_, token, _)| token);
-                before.find(ends).is_none_or(|token| matches!(token, Tok::Assign))
+                self.before().find(ends).is_none_or(|token| matches!(token, Tok::Assign))
             }
             _ => false,
         }
@@ -384,10 +388,8 @@ impl<'a> Classifier<'a, '_> {
             // A parenthesis in a parenthesis is `2((5, TRUE))`.
             Some(Tok::Values | Tok::LeftBracket | Tok::LeftParen | Tok::Comma) => true,
             Some(Tok::Assign) => {
-                let before = self.out.iter().rposition(|(_, token, _)| matches!(token, Tok::Colon | Tok::Semicolon));
-                before.is_some_and(|at| {
-                    matches!(self.out[at].1, Tok::Colon) && !matches!(self.out.get(at + 1), Some((_, Tok::Array, _)))
-                })
+                let ends = |token: &&Tok<'_>| matches!(token, Tok::Colon | Tok::Semicolon | Tok::Array | Tok::Assign);
+                self.before().skip(1).find(ends).is_some_and(|token| matches!(token, Tok::Colon))
             }
             _ => false,
         }
