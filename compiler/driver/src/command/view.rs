@@ -123,18 +123,20 @@ fn not_a_folder(output: &Path) -> Option<String> {
 
 /// Says what was written, or why a folder has no pictures. `Err`: the exit code, where standard output cannot be written.
 fn tell(args: &ViewArgs, pictures: usize) -> Result<(), u8> {
+    // `--html /dev/stdout > plant.html`: the page is what standard output gets.
+    let is_output = args.html.as_ref().is_some_and(|page| page.starts_with("/dev"));
     match (&args.output, pictures) {
         (Some(_), 0) => {
             report::say("there are no networks and no charts to draw; `--html FILE.html` shows code as well");
         }
-        (Some(folder), _) => {
+        (Some(folder), _) if !is_output => {
             report::print(&format!("wrote {} to {}\n", counted(pictures, "picture"), folder.display()))?;
         }
-        (None, _) => {}
+        (Some(_) | None, _) => {}
     }
     match &args.html {
-        Some(page) => report::print(&format!("wrote {}\n", page.display())),
-        None => Ok(()),
+        Some(page) if !is_output => report::print(&format!("wrote {}\n", page.display())),
+        Some(_) | None => Ok(()),
     }
 }
 

@@ -77,6 +77,19 @@ fn a_view_says_what_it_has_written() {
 }
 
 #[test]
+fn a_page_on_standard_output_has_no_messages() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("lamp.stl"), "      A     I 0.0\n      =     Q 4.0\n").expect("the folder can be written");
+    let page = fs::File::create(folder.join("lamp.html")).expect("the folder can be written");
+    let arguments = ["view", "lamp.stl", "-o", "pictures", "--html", "/dev/stdout"];
+    let status = Command::new(PLCC).current_dir(folder).args(arguments).stdout(page).status().expect("plcc starts");
+    assert_eq!(status.code(), Some(0));
+    let page = fs::read_to_string(folder.join("lamp.html")).expect("it is written");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"), "{page}");
+}
+
+#[test]
 fn a_folder_without_drawings_is_explained() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
