@@ -78,6 +78,12 @@ pub(super) fn check_header(name: &BlockName, header: &Header, writer: &mut Write
             writer.warn(name.span(), title, "set it in the editor again");
         }
     }
+    let is_optimized = attribute(header, &["S7_Optimized_Access", "S7_Optimized"])
+        .is_some_and(|optimized| optimized.eq_ignore_ascii_case("TRUE"));
+    if header.non_retain && !is_optimized {
+        let title = format!("the word `NON_RETAIN` of `{}` is not in the file", name_of(name));
+        writer.warn(name.span(), title, "set the retentivity in the editor again");
+    }
     if header.know_how_protect {
         let title = "the protection of the block is not in the file";
         writer.warn(name.span(), title, "protect the block again in the editor");

@@ -124,6 +124,8 @@ fn data_stay_retentive_or_not() {
         "{document}"
     );
     assert!(document.contains("DATA_BLOCK Lost\nNON_RETAIN\n"), "{document}");
+    let said = text(&plcc(folder, &["convert", "a.scl", "--to", "xml", "--cpu", "s7-1500"]).stderr);
+    assert!(said.contains("the word `NON_RETAIN` of `Lost` is not in the file") && !said.contains("`Kept`"), "{said}");
     let plain = "{ S7_Optimized := \"FALSE\" }\nDATA_BLOCK Lost\nVAR\n    n : Int;\nEND_VAR\nEND_DATA_BLOCK\n";
     fs::write(folder.join("b.s7dcl"), plain).expect("the folder can be written");
     assert!(convert("b.s7dcl", "scl").contains("{ S7_Optimized_Access := 'FALSE' }\nNON_RETAIN\nSTRUCT\n"));
