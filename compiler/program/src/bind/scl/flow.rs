@@ -79,7 +79,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// Reports TEMP data that is read and never written, and a value and outputs of a function that are never set. `empty`: the block has
-    /// no statements.
+    /// no statements, or only `;`.
     pub(in crate::bind) fn unused_data(&mut self, ctx: &mut SclBlock, block: &ast::CodeBlock, empty: bool) {
         let reads = std::mem::take(&mut ctx.scope.temp_reads);
         let supplied = ctx.block.bound.interface.start_bytes;

@@ -68,7 +68,7 @@ mod call_tests;
 pub(in crate::bind) mod tests;
 
 use plcc_syntax::ast;
-use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm};
+use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm, StatementKind};
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
@@ -117,7 +117,8 @@ impl SclBinder<'_, '_> {
         ctx.scope.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
         self.collect_labels(ctx, &body.statements);
         let statements = self.statements(ctx, &body.statements);
-        self.unused_data(ctx, block, body.statements.is_empty());
+        let is_empty = body.statements.iter().all(|statement| matches!(statement.kind, StatementKind::Empty));
+        self.unused_data(ctx, block, is_empty);
         let scope = &ctx.scope;
         SclBody {
             statements,
