@@ -19,9 +19,9 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
             && walk::find(body, &|one| leads_away(one).then_some(())).is_none()
         {
             let last = start + (end - start) / step * step;
-            let mut used = Used { counted, low: start.min(last), high: start.max(last), beyond: None };
+            let mut used = Used { counted, low: start.min(last), high: start.max(last), guard: None, beyond: None };
             used.passed(body);
-            if let Some(Beyond { index, offset, low, high, is_text }) = used.beyond {
+            if let Some(Beyond { index, offset, low, high, is_text, guard }) = used.beyond {
                 let within = |value: i128| (value + offset).clamp(low, high) - offset;
                 let (from, to) = (within(start), within(last));
                 let by = if step == 1 { String::new() } else { format!(" BY {step}") };
@@ -31,7 +31,11 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
                         ("the loop goes beyond the bounds of this array", "elements", "the array with more elements")
                     }
                 };
-                let help = format!("write `FOR {} := {from} TO {to}{by} DO`, or declare {longer}", text(variable.span));
+                let name = text(variable.span);
+                let help = match guard {
+                    Some(sign) => format!("compare `{name}` in an IF of its own: {sign} computes both sides"),
+                    None => format!("write `FOR {name} := {from} TO {to}{by} DO`, or declare {longer}"),
+                };
                 found.push(
                     Diagnostic::new(Code::IndexOfLoop, index, title)
                         .label(format!("{} to {}, but the {parts} are {low} to {high}", start + offset, last + offset))
@@ -63,6 +67,8 @@ struct Used {
     /// Its values.
     low: i128,
     high: i128,
+    /// Where it looks now, this operator joins a comparison of the variable with the rest.
+    guard: Option<&'static str>,
     beyond: Option<Beyond>,
 }
 
@@ -74,6 +80,7 @@ struct Beyond {
     low: i128,
     high: i128,
     is_text: bool,
+    guard: Option<&'static str>,
 }
 
 impl Used {
@@ -84,7 +91,9 @@ impl Used {
                 // A condition may keep the index within the bounds.
                 StatementKind::If { branches, .. } => {
                     if let Some((condition, _)) = branches.first() {
+                        self.guard = self.guard(condition);
                         walk::expr(condition, self);
+                        self.guard = None;
                     }
                 }
                 StatementKind::For { start, end, step, body, .. } => {
@@ -100,6 +109,30 @@ impl Used {
                 other => walk::own_part(other, self),
             }
         }
+    }
+
+    /// The operator that joins a comparison of the variable with the rest of a condition, as in `i < 9 AND a[i + 1] > 0`. It computes both
+    /// sides, so the comparison does not keep the index within the bounds.
+    fn guard(&self, condition: &Expr) -> Option<&'static str> {
+        let ExprKind::Binary { op, left, right } = &condition.kind else { return None };
+        let sign = match op {
+            BinaryOp::And => "AND",
+            BinaryOp::Or => "OR",
+            _ => return None,
+        };
+        let is_one = |side: &Expr| self.compares(side) || self.guard(side).is_some();
+        (is_one(left) || is_one(right)).then_some(sign)
+    }
+
+    /// Whether a condition compares the variable with a constant, or with a variable that is not an element of an array.
+    fn compares(&self, condition: &Expr) -> bool {
+        let ExprKind::Compare { left, right, .. } = &condition.kind else { return false };
+        let is_single = |value: &Expr| match &value.kind {
+            ExprKind::Const(_) => true,
+            ExprKind::Load(access) => access.indices.is_empty(),
+            _ => false,
+        };
+        self.offset(left).is_some() && is_single(right) || self.offset(right).is_some() && is_single(left)
     }
 
     /// What an index adds to the variable, as 1 in `i + 1`. None: it is something else, or may wrap.
@@ -131,7 +164,8 @@ impl walk::Visitor for Used {
                 // An array whose elements are all elsewhere has no loop of its own that would fit.
                 if (least < low || greatest > high) && least <= high && greatest >= low {
                     let is_text = matches!(index.bounds, IndexBounds::Characters { .. });
-                    self.beyond = Some(Beyond { index: index.value.span, offset, low, high, is_text });
+                    let (index, guard) = (index.value.span, self.guard);
+                    self.beyond = Some(Beyond { index, offset, low, high, is_text, guard });
                 }
             }
         }
