@@ -57,7 +57,8 @@ fn presets(statements: &[Statement], found: &mut Vec<Diagnostic>) {
         let (what, label) = match insn {
             Insn::Ton | Insn::Tonr if preset <= 0 => ("timer", "its bit is on as soon as the timer is enabled"),
             Insn::Tof if preset <= 0 => ("timer", "its bit goes off together with the input"),
-            Insn::Ctu | Insn::Ctud if preset < 0 => ("counter", "its bit is on before anything is counted"),
+            // A CTUD counts down to negative numbers, too.
+            Insn::Ctu if preset < 0 => ("counter", "its bit is on before anything is counted"),
             _ => continue,
         };
         let title = format!("the preset of this {what} is {preset}");
