@@ -247,6 +247,10 @@ impl SclBinder<'_, '_> {
     fn converted_time(&mut self, ctx: &mut SclBlock, value: Value, to: &DataType, span: Span) -> Option<Value> {
         if let DataType::Elementary(ty) = to {
             let own = match value {
+                // The conversion says that a number is meant, so its unit is not asked for.
+                Value::Constant(Constant::Integer { .. }, _) if matches!(ty, Time | Ltime) => {
+                    return self.convert(ctx, value, *ty).map(Value::Elementary);
+                }
                 Value::Constant(..) => return Some(value),
                 Value::Elementary(expr) => expr,
                 other => return self.converted_date(ctx, other, to, span),
