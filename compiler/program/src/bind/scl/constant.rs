@@ -169,10 +169,14 @@ impl SclBinder<'_, '_> {
             return;
         }
         let text = self.program.globals.text(*span);
+        let mut help = rewrite::help(ty, &text, rewrite::Form::Scl);
+        if ty == Elementary::Ltime && text.bytes().all(|byte| byte.is_ascii_digit()) {
+            help += &format!(", `LT#{text}NS` for nanoseconds");
+        }
         self.program.report(
             Diagnostic::new(Code::Tolerated, *span, format!("`{text}` is a number without a unit"))
                 .label(format!("taken as {unit}"))
-                .help(rewrite::help(ty, &text, rewrite::Form::Scl)),
+                .help(help),
         );
     }
 
