@@ -89,13 +89,18 @@ impl StlBinder<'_, '_> {
         self.no_type(instruction.name, word, call.target.span)
     }
 
-    /// Whether the CPU has instructions with types; reports it if not.
+    /// Whether the CPU has instructions with types; reports the first call if not.
     pub fn has_instructions(&mut self, name: &str, span: Span) -> bool {
+        const NEEDS: &str = "needs an S7-1500";
         if portal_cpu(self.program.globals.input) {
             return true;
         }
+        let mut told = self.program.globals.report.diagnostics.iter();
+        if told.any(|told| told.code == Code::CpuInstruction && told.title.ends_with(NEEDS)) {
+            return false;
+        }
         let cpu = &self.program.globals.input.profile.name;
-        let message = Diagnostic::new(Code::CpuInstruction, span, format!("`CALL {name}` needs an S7-1500"))
+        let message = Diagnostic::new(Code::CpuInstruction, span, format!("`CALL {name}` {NEEDS}"))
             .label(format!("the CPU is {cpu}"))
             .help("name the CPU, e.g. --cpu s7-1500");
         self.program.report(message);
