@@ -6,6 +6,7 @@
 //! ```
 
 pub(crate) mod attributes;
+mod checks;
 mod wires;
 mod written;
 
@@ -63,6 +64,9 @@ pub fn rewrite(unit: &SourceUnit, trivia: Trivia, source: &str, is_redrawn: bool
 fn units(mut writer: Writer, unit: &SourceUnit) -> Document {
     let mut texts = Texts::default();
     for (at, block) in unit.blocks.iter().enumerate() {
+        if writer.scl_as_networks && checks::is_forward(block, &unit.blocks) {
+            continue;
+        }
         let next = unit.blocks.get(at + 1);
         let (is_joined, is_followed) = (writer.is_joined(block), next.is_some_and(|next| writer.is_joined(next)));
         if !is_joined {
@@ -282,7 +286,7 @@ impl Writer<'_> {
                 Some((PinValue::Net(net), _)) if joined && wires.is_only(graph, *net) => {}
                 Some((PinValue::Net(net), _)) => current.text.push_str(&format!(" wire#{}", wires.name(*net))),
                 Some((PinValue::Operand(value), _)) => {
-                    let text = expression::text(value, self);
+                    let text = self.sd_operand(value);
                     current.text.push_str(&format!(" {text}"));
                     let passes_on = |source: &str| written::passes_on(source, value.span.end);
                     if language == Language::Fbd && self.source.is_some_and(passes_on) {
@@ -349,7 +353,7 @@ impl Writer<'_> {
                 let name = wires.name(NetId(at as u32));
                 match source {
                     Source::Operand { value, negated } => {
-                        let text = expression::text(value, self);
+                        let text = self.sd_operand(value);
                         let not = if *negated { " NOT" } else { "" };
                         self.out.line(format!("RUNG {text}{not}  A()  END_RUNG wire#{name}"));
                     }
@@ -376,6 +380,7 @@ impl Writer<'_> {
     /// `is_negated`: the flow is inverted between the attributes and the element.
     fn sd_element(&mut self, graph: &Graph, wires: &Wires, at: usize, language: Language, is_negated: bool) -> String {
         let element = &graph.elements[at];
+        self.sd_check_element(element);
         let source = self.source;
         let written = match &element.target {
             Target::Element { row, .. } => source
@@ -388,7 +393,8 @@ impl Writer<'_> {
                 let instance = instance.as_ref().map(|instance| expression::text(instance, self));
                 (instance.map_or_else(|| name.to_string(), |instance| format!("{instance}.{name}")), Some(*row))
             }
-            Target::Block { callee, instance } => (expression::text(instance.as_ref().unwrap_or(callee), self), None),
+            Target::Block { instance: Some(instance), .. } => (expression::text(instance, self), None),
+            Target::Block { callee, instance: None } => (self.sd_callee(callee), None),
         };
         let flow = flow_pin(element).map(|pin| pin.name.clone());
         let out = out_pin(element).map(|(index, _)| index);
@@ -444,7 +450,7 @@ impl Writer<'_> {
             PinValue::Net(net) => format!("wire#{}", wires.name(*net)),
             PinValue::Operand(value) => {
                 let count = count(row, &pin.name, value).filter(|_| self.source.is_none());
-                count.unwrap_or_else(|| expression::text(value, self))
+                count.unwrap_or_else(|| self.sd_operand(value))
             }
             PinValue::Open => String::new(),
         };

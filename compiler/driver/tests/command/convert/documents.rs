@@ -368,3 +368,19 @@ fn scl_becomes_a_network() {
         assert!(said.contains("1 passed, 0 failed"), "{said}{written}");
     }
 }
+
+/// A declaration before the definition, as generators write it in SCL, is not a second block of a document.
+#[test]
+fn declarations_before_definitions_are_left_out() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nFUNCTION \"Double\" : Int\nVAR_INPUT\n    v : Int;\nEND_VAR\nBEGIN\nEND_FUNCTION\n\
+                  FUNCTION \"Double\" : Int\nVAR_INPUT\n    v : Int;\nEND_VAR\nBEGIN\n    #Double := 2 * #v;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "sd", "-o", "a.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let document = fs::read_to_string(folder.join("a.s7dcl")).expect("it is written");
+    assert_eq!(document.matches("END_FUNCTION").count(), 1, "{document}");
+    let checked = plcc(folder, &["check", "a.s7dcl", "--cpu", "s7-1500"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}

@@ -156,3 +156,29 @@ fn projects_of_networks_and_st_become_documents() {
     let checked = plcc(folder, &["check", "p.s7dcl", "--cpu", "s7-1500"]);
     assert_eq!(checked.status.code(), Some(0), "{}{document}", text(&checked.stderr));
 }
+
+/// Functions of the project are called in quotes; what networks of the TIA Portal do not have is refused.
+#[test]
+fn networks_of_projects_become_documents_that_are_read() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let convert = |name: &str| {
+        let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen").join(name);
+        let project = project.join("project.xml").display().to_string();
+        plcc(folder, &["convert", &project, "--to", "sd", "-o", "made.s7dcl"])
+    };
+    for (name, says) in [
+        ("functions", "the TIA Portal has no element in LAD and FBD for this function"),
+        ("bit-strings-drawn", "an input that converts its operand"),
+    ] {
+        let made = convert(name);
+        assert_eq!(made.status.code(), Some(3), "{name}");
+        assert!(text(&made.stderr).contains(says), "{name}: {}", text(&made.stderr));
+        assert!(!folder.join("made.s7dcl").exists(), "{name}");
+    }
+    let made = convert("result-by-name");
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "made.s7dcl", "--cpu", "s7-1500"]);
+    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(said.contains("1 passed, 0 failed"), "{said}");
+}
