@@ -218,7 +218,13 @@ impl Maker<'_, '_, '_> {
             return self.writer.refuse(call.target.span, "SimaticML has no form for this call", help);
         };
         let is_fb = instance.is_some();
-        let mut info = self.numbered("CallInfo").with("Name", &name).with("BlockType", if is_fb { "FB" } else { "FC" });
+        // `CALL TON, #wait`: data of the type IEC_TIMER does not say which instruction has it.
+        let is_bare = matches!(&call.target.kind, OperandKind::Path(Path { root: PathRoot::Bare { .. }, .. }));
+        let mut info = if is_bare && call.instance.is_some() {
+            self.numbered("Instruction").with("Name", &name)
+        } else {
+            self.numbered("CallInfo").with("Name", &name).with("BlockType", if is_fb { "FB" } else { "FC" })
+        };
         if let Some(instance) = instance {
             let path = match &instance.kind {
                 OperandKind::Path(path) => self.path(path, "Instance"),

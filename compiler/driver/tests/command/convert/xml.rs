@@ -317,3 +317,17 @@ fn numbers_of_exports_stay() {
     let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(said.contains("1 passed, 0 failed"), "{said}{list}");
 }
+
+/// Data of the types IEC_TIMER and IEC_COUNTER do not say which instruction has them: its name stays.
+#[test]
+fn names_of_instructions_with_shared_data_stay() {
+    let export = "../../tests/run/stl/exports/instructions-with-shared-data.xml";
+    let export = Path::new(env!("CARGO_MANIFEST_DIR")).join(export).display().to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &export, "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.xml"]);
+    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(said.contains("4 passed, 0 failed"), "{said}");
+}
