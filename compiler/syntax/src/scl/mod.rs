@@ -166,7 +166,7 @@ pub fn comments_and_regions(text: &str) -> Vec<front::Comment> {
         let joins = region.form == CommentForm::Line
             && comment.form == CommentForm::Line
             && raw.regions.binary_search_by_key(&region.start, |one| one.start).is_ok()
-            && gap.is_some_and(|gap| !gap.contains('\n'));
+            && gap.is_some_and(|gap| gap.chars().all(|c| matches!(c, ' ' | '\t')));
         if joins {
             region.end = comment.end;
         }

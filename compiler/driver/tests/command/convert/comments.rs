@@ -207,3 +207,18 @@ fn comments_of_blocks_are_written_once() {
         assert!(next.is_some_and(|line| line.contains(contact)), "{comment} in\n{networks}");
     }
 }
+
+/// A statement after END_REGION on its line is a statement, and its comment is not the comment of the region.
+#[test]
+fn statements_after_regions_are_written_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1200\nFUNCTION \"F\" : Void\nBEGIN\n    REGION Last // first\n    END_REGION \"Add\"(); // a call\n    \
+                  REGION More\n    END_REGION More // last\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let list = text(&plcc(folder, &["convert", "a.scl", "--to", "scl"]).stdout);
+    assert_eq!(list.matches("\"Add\"();").count(), 1, "{list}");
+    for found in ["REGION Last // first\n", "// a call\n", "END_REGION More // last\n"] {
+        assert!(list.contains(found), "{found} in\n{list}");
+    }
+}
