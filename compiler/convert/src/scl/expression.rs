@@ -136,9 +136,9 @@ fn needs_quotes(name: &str, writer: &Writer) -> bool {
     writer.quotes_words && names::is_word(name)
 }
 
-/// Whether a sign stands in a source in SCL without a parenthesis before it: `a - -5`.
+/// Whether a sign stands in a source in SCL, or in a network in SCL, without a parenthesis before it: `a - -5`.
 fn has_bare_sign(span: Span, writer: &Writer) -> bool {
-    let source = writer.source.filter(|_| writer.notation == Notation::Scl);
+    let source = writer.source.filter(|_| matches!(writer.notation, Notation::Scl | Notation::Sd));
     let parts = source.and_then(|source| source.get(..span.start as usize).zip(source.get(span.range())));
     parts.is_some_and(|(before, own)| own.starts_with(['+', '-']) && !before.trim_end().ends_with('('))
 }

@@ -384,3 +384,14 @@ fn declarations_before_definitions_are_left_out() {
     let checked = plcc(folder, &["check", "a.s7dcl", "--cpu", "s7-1500"]);
     assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
 }
+
+/// A sign in a network in SCL keeps its place after an operator.
+#[test]
+fn signs_in_networks_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION F : Void\n    VAR_TEMP\n        i : Int;\n    END_VAR\n    { S7_Language := \"SCL\" }\n    NETWORK\n        \
+                  #i := #i - -5 + (-7);\n        #i := -#i * -2;\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout), source);
+}
