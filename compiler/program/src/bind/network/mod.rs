@@ -210,7 +210,9 @@ impl NetworkBinder<'_, '_> {
                     let kind = StatementKind::SetFlag(eno.load(network.span));
                     statements.push(Statement { kind, span: network.span });
                 }
+                ctx.scope.in_scl = true;
                 statements.extend(self.scl().statements(ctx, list));
+                ctx.scope.in_scl = false;
                 if let Some(eno) = eno {
                     let flag = Expr { kind: ExprKind::Flag, ty: Elementary::Bool, span: network.span };
                     statements.push(eno.set(flag, network.span));

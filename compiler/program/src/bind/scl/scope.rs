@@ -44,6 +44,8 @@ pub struct Scope {
     pub address_numbers: bool,
     /// Absolute addresses with bits only, which take the type of their pin: in LAD and FBD.
     pub untyped: Option<FxHashSet<Span>>,
+    /// The statements are those of a network in SCL, which computes as a block in SCL does.
+    pub in_scl: bool,
     /// Folded names.
     pub labels: FxHashMap<String, Label>,
     /// The lists of statements around the current one, outermost first.
@@ -97,8 +99,8 @@ impl Scope {
         }
     }
 
-    /// The block is in LAD or FBD.
+    /// The network is in LAD or FBD.
     pub fn is_network(&self) -> bool {
-        self.untyped.is_some()
+        self.untyped.is_some() && !self.in_scl
     }
 }
