@@ -158,6 +158,10 @@ impl Writer<'_> {
             if self.braces.is_some() { block.header.clone() } else { with_retention(&block.header, Notation::Sd) };
         self.sd_header(&header, block.span, &behind, texts);
         let name = self.document_name(&block.name);
+        if let DataContent::Array(_, Some(values)) = &content {
+            let title = "SIMATIC SD has no start values of a data block that is an array";
+            self.warn(values.span, title, "set them in the editor again");
+        }
         match &content {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => {
                 let ty = self.type_text(ty);

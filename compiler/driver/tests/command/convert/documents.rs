@@ -395,3 +395,15 @@ fn signs_in_networks_stay() {
     fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
     assert_eq!(text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout), source);
 }
+
+/// A document has no place for the start values of a data block that is an array.
+#[test]
+fn start_values_of_array_data_blocks_are_told() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "DATA_BLOCK \"List\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nArray[0..3] of Int := [7, 8, 9, 10]\nBEGIN\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "sd"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(text(&made.stderr).contains("no start values of a data block that is an array"), "{}", text(&made.stderr));
+}
