@@ -189,7 +189,7 @@ END_DATA_BLOCK
     let others = plcc_convert::scl::Others::Refused;
     let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
     assert!(!has_errors(&messages), "{messages:#?}");
-    for line in ["OF INT := [1, 2, 3, 7];", "OF BOOL := [TRUE, FALSE];", "OF REAL := [2(0.0), 1.5];"] {
+    for line in ["of Int := [1, 2, 3, 7];", "of Bool := [TRUE, FALSE];", "of Real := [2(0.0), 1.5];"] {
         assert!(written.contains(line), "{line} in\n{written}");
     }
     let (_, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
@@ -267,9 +267,9 @@ END_FUNCTION_BLOCK
     assert!(!has_errors(&messages), "{messages:#?}");
     let lines = [
         "wait { LibVersion := '1.1' } : TON_TIME;",
-        "limit { ExternalWritable := 'False'; S7_SetPoint := 'True' } : REAL;",
+        "limit { ExternalWritable := 'False'; S7_SetPoint := 'True' } : Real;",
         // A variable is visible unless an attribute says that it is not.
-        "shown : REAL;",
+        "shown : Real;",
     ];
     for line in lines {
         assert!(written.contains(line), "{line} in\n{written}");
@@ -418,7 +418,7 @@ END_FUNCTION
     let others = plcc_convert::scl::Others::Refused;
     let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
     assert!(!has_errors(&messages), "{messages:#?}");
-    assert!(written.contains("    // above speed\n    // of speed\n    speed : INT := 1;\n"), "{written}");
+    assert!(written.contains("    // above speed\n    // of speed\n    speed : Int := 1;\n"), "{written}");
     let (_, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
     assert!(!has_errors(&messages), "{messages:#?}");
 }

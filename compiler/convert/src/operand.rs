@@ -176,7 +176,7 @@ pub(crate) fn only_declared(value: &Expr) -> bool {
     let ExprKind::Literal(literal) = kind else { return false };
     match literal {
         SclLiteral::Integer { value, .. } => *value > u64::from(u32::MAX),
-        SclLiteral::Real(value) => (*value as f32).is_infinite(),
+        SclLiteral::Real(value) => digits_of(*value).is_none(),
         SclLiteral::Typed { ty, bits } => typed(*ty, *bits).is_none(),
         SclLiteral::WideText(_) | SclLiteral::Dtl(_) => true,
         SclLiteral::Text { .. }

@@ -24,7 +24,7 @@ use plcc_syntax::stl::Mnemonics;
 use crate::frames::{is_implied, with_retention};
 use crate::names;
 use crate::scl::expression;
-use crate::trivia::Trivia;
+use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
 
 use attributes::{Braces, Texts};
@@ -248,6 +248,10 @@ impl Writer<'_> {
         self.remarks_before(network.span.start);
         self.network_attributes(network, texts);
         self.out.line("NETWORK");
+        if let Some(word) = self.trivia.word("NETWORK", network.span.start, network.span.end) {
+            let remarks = self.trivia.on_line(word);
+            self.new_remarks(remarks);
+        }
         self.out.indent();
         for label in &network.labels {
             self.out.line(format!("Label( {} )", label.text));
@@ -265,6 +269,12 @@ impl Writer<'_> {
         }
         self.out.dedent();
         self.out.line("END_NETWORK");
+    }
+
+    /// Comments that are not written yet.
+    fn new_remarks(&mut self, mut remarks: Vec<Remark>) {
+        remarks.retain(|remark| !self.is_written(&remark.text));
+        self.out.remarks(&remarks);
     }
 
     fn rungs(&mut self, graph: &Graph, language: Language) {
@@ -321,12 +331,14 @@ impl Writer<'_> {
                 PinValue::Operand(_) | PinValue::Open => None,
             });
             current.fed = current.out.is_none();
+            if let Some(last) = at.checked_sub(1).filter(|_| !joined) {
+                let remarks = self.trivia.on_line(graph.elements[last].span.end);
+                self.new_remarks(remarks);
+            }
             let mut remarks = self.trivia.before(element.span.start);
             remarks.retain(|remark| !self.is_written(&remark.text));
-            if joined {
-                // The last line is that of another rung.
-                remarks.iter_mut().for_each(|remark| remark.own_line = true);
-            }
+            // The last line is that of another rung.
+            remarks.iter_mut().for_each(|remark| remark.own_line = true);
             let asserts = remarks.iter().any(|remark| remark.text.starts_with("//@"));
             if asserts && at > 0 && !joined && !crossed[at] {
                 // An assertion stands between networks.

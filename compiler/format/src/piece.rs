@@ -89,9 +89,11 @@ fn pieces(text: &str, range: Range<usize>, ranges: impl Iterator<Item = Range<us
         if piece.start < at {
             continue;
         }
-        between(at, piece.start, &mut all);
+        // The lexer of STL skips the `%` of `%MW10`, which stays with its address.
+        let start = piece.start - usize::from(text[at..piece.start].ends_with('%'));
+        between(at, start, &mut all);
         at = piece.end;
-        all.push(piece);
+        all.push(start..piece.end);
     }
     between(at, range.end, &mut all);
     let mut before = range.start;

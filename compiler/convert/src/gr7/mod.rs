@@ -148,6 +148,11 @@ impl Writer<'_> {
                 self.out.line(format!("{key} : {value}"));
             }
         }
+        for (word, is_set) in [("CODE_VERSION1", header.code_version1), ("KNOW_HOW_PROTECT", header.know_how_protect)] {
+            if is_set {
+                self.out.line(word);
+            }
+        }
         // What only other notations have.
         const FOREIGN: [&str; 5] =
             ["S7_BlockNumber", "S7_Version", "S7_PreferredLanguage", "S7_Optimized", "S7_Optimized_Access"];
@@ -160,15 +165,11 @@ impl Writer<'_> {
         if !attributes.is_empty() {
             self.out.line(format!("{{ {} }}", attributes.join("; ")));
         }
-        self.flags_are_lost(header, block);
+        self.number_is_lost(header, block);
         self.comment(&header.comment);
     }
 
-    fn flags_are_lost(&mut self, header: &Header, block: &CodeBlock) {
-        if header.know_how_protect {
-            let title = "the protection of the block is not in the source";
-            self.warn(block.name.span(), title, "protect the block again after it is compiled");
-        }
+    fn number_is_lost(&mut self, header: &Header, block: &CodeBlock) {
         if let (Some(number), BlockName::Symbol { span, .. }) = (header.number, &block.name) {
             self.warn(
                 *span,

@@ -131,11 +131,11 @@ fn words_of_the_language_stay() {
     editor.open("words.scl");
     assert_eq!(editor.messages("words.scl"), Vec::<String>::new());
     for (piece, to, edits) in [
-        ("\"I|F\" : Int", "limit", &["04 \"limit\"", "13 #\"limit\"", "26 \"limit\""][..]),
-        ("\"t|o\" : Int", "last", &["05 \"last\"", "14 #\"last\"", "15 last", "26 \"last\""]),
+        ("\"I|F\" : Int", "limit", &["04 \"limit\"", "13 #\"limit\"", "27 \"limit\""][..]),
+        ("\"t|o\" : Int", "last", &["05 \"last\"", "14 #\"last\"", "15 last", "27 \"last\""]),
         // In quotes alone, `to` of line 15 would be a name of the whole program.
-        ("\"t|o\" : Int", "last one", &["05 \"last one\"", "14 #\"last one\"", "15 #\"last one\"", "26 \"last one\""]),
-        ("\"no|t\" : Bool", "off", &["06 \"off\"", "13 #\"off\"", "26 \"off\""]),
+        ("\"t|o\" : Int", "last one", &["05 \"last one\"", "14 #\"last one\"", "15 #\"last one\"", "27 \"last one\""]),
+        ("\"no|t\" : Bool", "off", &["06 \"off\"", "13 #\"off\"", "27 \"off\""]),
     ] {
         let edits = edits.iter().map(|edit| format!("words.scl:{edit}")).collect();
         assert_eq!(rename(&mut editor, "words.scl", piece, to), Ok(edits));
@@ -149,7 +149,7 @@ fn labels_and_variables_of_one_name_are_told_apart() {
     editor.open("jumps.stl");
     assert_eq!(editor.messages("jumps.stl"), Vec::<String>::new());
     for (piece, to, edits) in [
-        ("mo|re : INT", "rest", &["03 rest", "07 rest", "11 #rest", "20 rest"][..]),
+        ("mo|re : INT", "rest", &["03 rest", "07 rest", "11 rest", "20 rest"][..]),
         ("JC    mo|re", "end", &["10 end", "13 end"]),
         ("JU    mo|re", "end", &["19 end", "20 end"]),
     ] {

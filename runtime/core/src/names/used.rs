@@ -142,7 +142,9 @@ impl Finder<'_> {
             if found.is_some()
                 || matches!(self.ty(ty), Some(NamedType::Struct(structure)) if !structure.name.is_empty())
             {
-                return found.filter(|(_, named)| named.address.width == width);
+                // A BOOL that is alone in its byte is stored as a byte.
+                let is_stored = |found: Width| found == width || used.bits == 8 && found == Width::Bit(0);
+                return found.filter(|(_, named)| is_stored(named.address.width));
             }
         }
         let name = match (used.area, bit) {

@@ -93,7 +93,8 @@ fn places() {
 /// The operation does not widen to the type of its target. Source: SCL reference, vectors 3, 23.
 #[test]
 fn arithmetic_types() {
-    check("#d := #i * #j;", "S6.0 := INT->DINT((Multiply.INT S0.0 S2.0))");
+    check("#d := #i / #j;", "S6.0 := INT->DINT((Divide.INT S0.0 S2.0))");
+    codes(UNNAMED, "#d := #i * #j;", &["P0520"]);
     check("#d := #i + 1;", "S6.0 := INT->DINT((Add.INT S0.0 INT#1))");
     check("#d := 1 + 50000;", "S6.0 := DINT#50001");
     check("#r := #i / 2.0;", "S10.0 := (Divide.REAL INT->REAL(S0.0) REAL#1073741824)");
