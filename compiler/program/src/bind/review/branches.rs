@@ -74,7 +74,7 @@ impl Visitor for Branches<'_> {
 }
 
 /// A text without the blanks and the letter case that make no difference. In quotes blanks do, and in those of texts the letter case too.
-fn comparable(text: String) -> String {
+pub fn comparable(text: String) -> String {
     if text.contains('\'') {
         return text;
     }

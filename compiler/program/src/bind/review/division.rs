@@ -6,6 +6,8 @@ use plcc_syntax::Elementary;
 use plcc_syntax::article::with_article;
 use rustc_hash::FxHashSet;
 
+use super::branches::comparable;
+
 /// Reports the divisions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
     let mut remainders = Remainders { text, found: FxHashSet::default() };
@@ -26,11 +28,6 @@ impl walk::Visitor for Remainders<'_> {
             self.found.insert((comparable((self.text)(left.span)), comparable((self.text)(right.span))));
         }
     }
-}
-
-/// A text without the blanks and the letter case that make no difference.
-fn comparable(text: String) -> String {
-    text.to_uppercase().split_whitespace().collect()
 }
 
 struct Divisions<'r> {
