@@ -42,7 +42,9 @@ fn stl_round_trip(path: &Path, set: Mnemonics) -> Option<Result<(), String>> {
         return Some(Err(format!("{:?}\n{written}", messages.iter().find(|message| message.is_error()))));
     }
     let (before, after) = (tree(&unit), tree(&again));
-    if before != after {
+    // Names that are addresses in the other mnemonics get a `#`.
+    let is_marked = || has_errors(&parsed(&text, Some(set)).1) && before.replace('#', "") == after.replace('#', "");
+    if before != after && !is_marked() {
         return Some(Err(format!("{}\n{written}", plcc_tests::difference(&before, &after))));
     }
     let (before, after) = (comments(&text, &all), comments(&written, &stl::comments(&written)));

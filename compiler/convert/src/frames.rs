@@ -115,9 +115,7 @@ impl Writer<'_> {
         } else {
             self.out.line(format!("TYPE {name}"));
             let start = block.members.first().map(|member| member.name_span.start);
-            // The number that XML gives a data type with a name says nothing in a source.
-            let header = Header { number: None, ..block.header.clone() };
-            self.header(&header, &block.name, false, start);
+            self.header(&block.header, &block.name, false, start);
             self.out.line("STRUCT");
             self.variables(&block.members);
             self.out.line("END_STRUCT;");

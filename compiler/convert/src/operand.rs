@@ -11,7 +11,7 @@ use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::stl::letters;
 
 use crate::names;
-use crate::writer::Writer;
+use crate::writer::{Notation, Writer};
 
 /// An operand; its constants as the author wrote them.
 pub(crate) fn operand(operand: &Operand, writer: &mut Writer) -> String {
@@ -79,10 +79,27 @@ pub(crate) fn path_text(path: &Path, writer: &mut Writer) -> String {
     let root = match &path.root {
         PathRoot::Local { name, .. } => names::local(name),
         PathRoot::Quoted { name, .. } => names::symbol(name),
+        // In the other mnemonics `I1` may be an address.
+        PathRoot::Bare { name, .. } if writer.notation == Notation::Stl && is_like_address(name, writer.mnemonics) => {
+            names::local(name)
+        }
         PathRoot::Bare { name, .. } => name.clone(),
         PathRoot::Block(name) => writer.block_name(name).replace(' ', ""),
     };
     parts(root, &path.parts, writer)
+}
+
+/// Whether a name is an address of inputs, outputs or counters in these mnemonics and not in the other ones, but for a bit: `I1`, `QW4`, `C3`.
+fn is_like_address(name: &str, set: Mnemonics) -> bool {
+    let letters = name.trim_end_matches(|sign: char| sign.is_ascii_digit());
+    let widths = |area: &str| ["", "B", "W", "D"].map(|width| format!("{area}{width}"));
+    let (areas, counter) = match set {
+        Mnemonics::En => (["I", "Q", "PI", "PQ"], "C"),
+        Mnemonics::De => (["E", "A", "PE", "PA"], "Z"),
+    };
+    let is = |area: &String| letters.eq_ignore_ascii_case(area);
+    letters.len() < name.len()
+        && (letters.eq_ignore_ascii_case(counter) || areas.into_iter().flat_map(widths).any(|area| is(&area)))
 }
 
 /// A component of a data block, before its value.

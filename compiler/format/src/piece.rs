@@ -89,11 +89,13 @@ fn pieces(text: &str, range: Range<usize>, ranges: impl Iterator<Item = Range<us
         if piece.start < at {
             continue;
         }
-        // The lexer of STL skips the `%` of `%MW10`, which stays with its address.
-        let start = piece.start - usize::from(text[at..piece.start].ends_with('%'));
-        between(at, start, &mut all);
+        between(at, piece.start, &mut all);
         at = piece.end;
-        all.push(start..piece.end);
+        // The lexer of STL gives the `%` of `%MW10` apart from its address.
+        match all.last_mut() {
+            Some(last) if last.end == piece.start && &text[last.clone()] == "%" => last.end = piece.end,
+            _ => all.push(piece),
+        }
     }
     between(at, range.end, &mut all);
     let mut before = range.start;

@@ -19,10 +19,10 @@ impl Writer<'_> {
         expression::text(value, self)
     }
 
-    /// The name of an FC that is called.
+    /// The name of an FC that is called, as its author wrote it if the source is a document.
     pub(super) fn sd_callee(&mut self, callee: &Expr) -> String {
         match &callee.kind {
-            ExprKind::Name(name) if name.form == NameForm::Bare => names::symbol(&name.text),
+            ExprKind::Name(name) if name.form == NameForm::Bare && self.braces.is_none() => names::symbol(&name.text),
             _ => expression::text(callee, self),
         }
     }

@@ -121,8 +121,20 @@ impl Look<'_, '_> {
             if pin.name == "label" {
                 continue;
             }
-            let hint = pin_hint(row, pin, working.as_ref(), element);
+            let text = if pin.name == "strg" { self.text_of_characters(ctx, element) } else { None };
+            let hint = text.or_else(|| pin_hint(row, pin, working.as_ref(), element));
             self.expect(ctx, node, hint.as_ref());
+        }
+    }
+
+    /// The text at Strg_TO_Chars and Chars_TO_Strg is as wide as the characters.
+    fn text_of_characters(&mut self, ctx: &mut SclBlock, element: &Element) -> Option<Hint> {
+        let PinValue::Operand(node) = &element.pins.iter().find(|pin| pin.name == "chars")?.value else { return None };
+        let Some(Hint::Type(DataType::Array(array))) = self.hint_of(ctx, node) else { return None };
+        match array.element {
+            DataType::Elementary(Elementary::Char) => Some(Hint::Type(DataType::String(254))),
+            DataType::Elementary(Elementary::Wchar) => Some(Hint::Type(DataType::WideString(254))),
+            _ => None,
         }
     }
 

@@ -338,6 +338,8 @@ impl<'a> Classifier<'a, '_> {
             RawKind::Word => self.declaration_word(),
             RawKind::Quoted => {
                 let name = unquoted(self.slice(token));
+                // A component of an element may have 64 bits.
+                self.may_be_long |= matches!(self.last(), Some(Tok::Of));
                 self.take(Tok::Quoted(name));
             }
             RawKind::Hash if self.kind_at(self.at + 1) == Some(RawKind::Word) && self.begins_value() => {
