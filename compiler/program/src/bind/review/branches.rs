@@ -49,6 +49,9 @@ impl Branches<'_> {
 impl Visitor for Branches<'_> {
     fn statement(&mut self, statement: &Statement) {
         let StatementKind::If { branches, .. } = &statement.kind else { return };
+        if branches.len() < 2 {
+            return;
+        }
         // What is FALSE where the next condition is evaluated, by the first of the conditions that AND joins in it.
         let mut earlier: FxHashMap<String, Vec<(Vec<String>, Span)>> = FxHashMap::default();
         for (condition, _) in branches {

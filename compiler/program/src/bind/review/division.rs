@@ -13,7 +13,7 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
     let mut remainders = Remainders { text, found: FxHashSet::default() };
     walk::statements(list, &mut remainders);
     let remainders = remainders.found;
-    walk::statements(list, &mut Divisions { text, remainders, explicit: false, found });
+    walk::statements(list, &mut Divisions { text, remainders, statement: None, found });
 }
 
 /// Looks for the dividends and divisors of MOD.
@@ -34,8 +34,8 @@ struct Divisions<'r> {
     text: &'r dyn Fn(Span) -> String,
     /// The dividends and divisors of which the block has the remainder, too.
     remainders: FxHashSet<(String, String)>,
-    /// The statement has a function of conversion, which says what is meant.
-    explicit: bool,
+    /// The statement that is looked at.
+    statement: Option<Span>,
     found: &'r mut Vec<Diagnostic>,
 }
 
@@ -83,8 +83,16 @@ impl Divisions<'_> {
                 false => value.span,
             };
             let fraction = format!("{dividend} / {divisor}.0");
-            return self.report(division, value.ty, &fraction, &format!("{dividend} DIV {divisor}"));
+            if !self.is_explicit() {
+                self.report(division, value.ty, &fraction, &format!("{dividend} DIV {divisor}"));
+            }
+            return;
         }
+    }
+
+    /// Whether the statement has a function of conversion, which says what is meant.
+    fn is_explicit(&self) -> bool {
+        self.statement.is_some_and(|span| (self.text)(span).to_ascii_uppercase().contains("TO_"))
     }
 
     /// A quotient of whole numbers that is multiplied: `i / j * 100` is 0 for each `i` below `j`. With a constant divisor, the same number as
@@ -96,7 +104,8 @@ impl Divisions<'_> {
         let sign = Span { end: divisor.span.start, start: dividend.span.end, ..quotient.span };
         let (dividend, by, factor) = ((self.text)(dividend.span), (self.text)(divisor.span), (self.text)(factor.span));
         let is_told = self.found.last().is_some_and(|last| last.primary.span == quotient.span);
-        let has_remainder = self.remainders.contains(&(comparable(dividend.clone()), comparable(by.clone())));
+        let has_remainder = !self.remainders.is_empty()
+            && self.remainders.contains(&(comparable(dividend.clone()), comparable(by.clone())));
         let is_meant = matches!(divisor.kind, ExprKind::Const(_)) || by == factor || !(self.text)(sign).contains('/');
         if is_told || is_meant || has_remainder {
             return;
@@ -120,7 +129,7 @@ impl Divisions<'_> {
 
 impl walk::Visitor for Divisions<'_> {
     fn statement(&mut self, statement: &Statement) {
-        self.explicit = (self.text)(statement.span).to_ascii_uppercase().contains("TO_");
+        self.statement = Some(statement.span);
     }
 
     fn expr(&mut self, value: &Expr) {
@@ -129,7 +138,7 @@ impl walk::Visitor for Divisions<'_> {
         {
             self.multiplied(left, right);
         }
-        if self.explicit || !value.ty.is_float() {
+        if !value.ty.is_float() {
             return;
         }
         let operand = match &value.kind {
@@ -138,6 +147,9 @@ impl walk::Visitor for Divisions<'_> {
             _ => return,
         };
         let Some((division, left, right)) = self.division(operand) else { return };
+        if self.is_explicit() {
+            return;
+        }
         let (dividend, divisor) = ((self.text)(left.span), (self.text)(right.span));
         let fraction = match divisor.bytes().all(|byte| byte.is_ascii_digit()) {
             true => format!("{dividend} / {divisor}.0"),
