@@ -48,9 +48,16 @@ fn written(value: &Expr) -> &Expr {
     }
 }
 
+/// Whether it is a division by a value that is not constant.
+fn is_quotient(value: &Expr) -> bool {
+    matches!(&value.kind, ExprKind::Binary { op: BinaryOp::Divide, right, .. } if known(right).is_none())
+}
+
 /// The product in a calculation in type `ty` that may not fit it. `divided`: also one that is divided.
 fn product(value: &Expr, divided: bool) -> Option<(&Expr, &Expr, &Expr)> {
     match &value.kind {
+        // A quotient that is multiplied has a message of its own.
+        ExprKind::Binary { op: BinaryOp::Multiply, left, right } if is_quotient(left) || is_quotient(right) => None,
         ExprKind::Binary { op: BinaryOp::Multiply, left, right } => {
             let (_, greatest) = constant::range(value.ty);
             let is_small = [left, right]
