@@ -1,19 +1,24 @@
 //! The program of this folder as a process, and a broker.
 
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use libtest_mimic::Failed;
 
 use crate::here;
 
-/// A port that was free a moment ago.
+/// A port that was free a moment ago, and that no other test of this process has.
 pub fn free_port() -> u16 {
-    TcpListener::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).map_or(0, |address| address.port())
+    static GIVEN: Mutex<BTreeSet<u16>> = Mutex::new(BTreeSet::new());
+    let mut given = GIVEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let free = || TcpListener::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).map(|address| address.port());
+    // A port that is closed again may be proposed again before its service opens it.
+    std::iter::repeat_with(free).map_while(Result::ok).find(|port| given.insert(*port)).unwrap_or(0)
 }
 
 /// Runs plcc in this process.
