@@ -109,7 +109,7 @@ impl Writer<'_> {
         let name = self.block_name(&block.name);
         self.remarks_before(block.span.start);
         if let Some(alias) = &block.alias {
-            self.needs_scl(alias.span, "a data type that is no STRUCT");
+            self.needs_scl(alias.span, "a data type that is not a STRUCT");
             let ty = self.type_text(alias);
             self.out.line(format!("TYPE {name} : {ty};"));
         } else {

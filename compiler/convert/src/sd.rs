@@ -109,10 +109,10 @@ impl Writer<'_> {
             CodeKind::Fc | CodeKind::Sfc => "FUNCTION",
             CodeKind::Fb | CodeKind::Sfb => "FUNCTION_BLOCK",
         };
-        let behind =
+        let after_head =
             self.attributes_after_head(block.return_type.as_ref().map_or(block.name.span().end, |ty| ty.span.end));
         self.remarks_before(block.span.start);
-        self.sd_header(&block.header, block.span, &behind, texts);
+        self.sd_header(&block.header, block.span, &after_head, texts);
         let returns = match (&block.return_type, block.kind) {
             (Some(ty), _) => format!(" : {}", self.type_text(ty)),
             (None, CodeKind::Fc | CodeKind::Sfc) => " : Void".to_string(),
@@ -120,7 +120,7 @@ impl Writer<'_> {
         };
         let name = self.document_name(&block.name);
         self.out.line(format!("{keyword} {name}{returns}"));
-        self.attribute_line(&behind);
+        self.attribute_line(&after_head);
         self.flags(&block.header);
         self.out.indent();
         block.sections.iter().for_each(|section| self.section(section));
@@ -152,11 +152,11 @@ impl Writer<'_> {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => ty.span.end,
             DataContent::Struct(_) | DataContent::Empty => block.name.span().end,
         };
-        let behind = self.attributes_after_head(head_end);
+        let after_head = self.attributes_after_head(head_end);
         self.remarks_before(block.span.start);
         let header =
             if self.braces.is_some() { block.header.clone() } else { with_retention(&block.header, Notation::Sd) };
-        self.sd_header(&header, block.span, &behind, texts);
+        self.sd_header(&header, block.span, &after_head, texts);
         let name = self.document_name(&block.name);
         if let DataContent::Array(_, Some(values)) = &content {
             let title = "SIMATIC SD has no start values of a data block that is an array";
@@ -166,18 +166,18 @@ impl Writer<'_> {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => {
                 let ty = self.type_text(ty);
                 self.out.line(format!("DATA_BLOCK {name} : {ty}"));
-                self.attribute_line(&behind);
+                self.attribute_line(&after_head);
                 self.flags(&block.header);
             }
             DataContent::Struct(members) => {
                 self.out.line(format!("DATA_BLOCK {name}"));
-                self.attribute_line(&behind);
+                self.attribute_line(&after_head);
                 self.flags(&block.header);
                 self.retained(members, &block.retained);
             }
             DataContent::Empty => {
                 self.out.line(format!("DATA_BLOCK {name}"));
-                self.attribute_line(&behind);
+                self.attribute_line(&after_head);
                 self.flags(&block.header);
             }
         }

@@ -318,30 +318,8 @@ struct Seen {
 
 impl Visitor for Seen {
     fn statement(&mut self, statement: &model::scl::Statement) {
-        let target = match &statement.kind {
-            StatementKind::Assign { target, .. }
-            | StatementKind::AssignText { target, .. }
-            | StatementKind::Copy { target, .. }
-            | StatementKind::For { variable: target, .. } => target,
-            StatementKind::SetFlag(_) | StatementKind::Return(Some(_)) => return self.flag = true,
-            StatementKind::Failed
-            | StatementKind::Watch(_)
-            | StatementKind::Call(_)
-            | StatementKind::Evaluate(_)
-            | StatementKind::If { .. }
-            | StatementKind::Case { .. }
-            | StatementKind::While { .. }
-            | StatementKind::Repeat { .. }
-            | StatementKind::Exit
-            | StatementKind::Continue
-            | StatementKind::Return(None)
-            | StatementKind::Goto(_)
-            | StatementKind::Label(_)
-            | StatementKind::Assert(_)
-            | StatementKind::Sleep(_)
-            | StatementKind::Apart
-            | StatementKind::Stl(_) => return,
-        };
+        self.flag |= matches!(statement.kind, StatementKind::SetFlag(_) | StatementKind::Return(Some(_)));
+        let Some(target) = statement.kind.target() else { return };
         if is_outside(target) {
             self.writes.push(match target.base {
                 Base::Place(Place::Parameter { parameter, .. }) => Some(parameter),

@@ -182,7 +182,7 @@ impl<'a> Writer<'a> {
                 None => list.push(texts.attribute(key, &text)),
             }
         }
-        // What is in the texts is no comment of the document, too.
+        // What is in the texts is not written as a comment as well.
         if self.braces.is_none() {
             // Assertions are no texts.
             let lines = header.comment.iter().map(|line| line.trim()).filter(|line| !line.starts_with('@'));

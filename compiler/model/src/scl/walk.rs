@@ -60,6 +60,34 @@ pub fn find<T>(list: &[Statement], look: &dyn Fn(&Statement) -> Option<T>) -> Op
 }
 
 impl StatementKind {
+    /// The variable that the statement itself writes: of FOR its counter. Calls write their outputs besides.
+    pub fn target(&self) -> Option<&Access> {
+        match self {
+            StatementKind::Assign { target, .. }
+            | StatementKind::AssignText { target, .. }
+            | StatementKind::Copy { target, .. }
+            | StatementKind::For { variable: target, .. } => Some(target),
+            StatementKind::SetFlag(_)
+            | StatementKind::Failed
+            | StatementKind::Watch(_)
+            | StatementKind::Call(_)
+            | StatementKind::Evaluate(_)
+            | StatementKind::If { .. }
+            | StatementKind::Case { .. }
+            | StatementKind::While { .. }
+            | StatementKind::Repeat { .. }
+            | StatementKind::Exit
+            | StatementKind::Continue
+            | StatementKind::Return(_)
+            | StatementKind::Goto(_)
+            | StatementKind::Label(_)
+            | StatementKind::Assert(_)
+            | StatementKind::Sleep(_)
+            | StatementKind::Apart
+            | StatementKind::Stl(_) => None,
+        }
+    }
+
     /// The lists of statements inside this one, in source order. IF and CASE always have one for ELSE.
     pub fn bodies(&self) -> Vec<&[Statement]> {
         match self {

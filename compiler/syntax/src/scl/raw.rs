@@ -156,6 +156,21 @@ pub struct Iec {
     pub nested_comments: bool,
 }
 
+impl RawKind {
+    /// `:=`, `+=`, `?=` and the like.
+    pub fn assigns(self) -> bool {
+        matches!(
+            self,
+            RawKind::Assign
+                | RawKind::AddAssign
+                | RawKind::SubtractAssign
+                | RawKind::MultiplyAssign
+                | RawKind::DivideAssign
+                | RawKind::AttemptAssign
+        )
+    }
+}
+
 impl Kind for RawKind {
     const STRAY: RawKind = RawKind::Stray;
     const BRACKETS: [RawKind; 4] =

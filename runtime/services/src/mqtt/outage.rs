@@ -1,13 +1,13 @@
-//! A time without a broker that works, and what is told of it.
+//! A time without a working broker, and what is reported about it.
 //!
-//! A broker may refuse connections at first, and then the password; each reason is told once. One that takes connections and loses each of
-//! them at once is not back: that is told only of a connection that lasts.
+//! A broker may refuse connections at first, and then the password; each reason is reported once. One that takes connections and loses
+//! each of them at once is not back: only a connection that lasts is reported.
 
 use std::time::{Duration, Instant};
 
 use rumqttc::{ConnectReturnCode, ConnectionError, StateError};
 
-/// Reasons that are told of one outage.
+/// So many reasons of one outage are reported.
 const REASONS_MAX: usize = 4;
 /// A connection that has lasted so long works.
 const LASTS: Duration = Duration::from_secs(10);
@@ -15,7 +15,7 @@ const LASTS: Duration = Duration::from_secs(10);
 /// See the module comment.
 #[derive(Default)]
 pub(super) struct Outage {
-    /// Those that were told.
+    /// Those that were reported.
     reasons: Vec<String>,
     /// When the connection was made, if it has not lasted yet.
     made: Option<Instant>,

@@ -7,6 +7,8 @@ use plcc_model::scl::{Access, Base, BinaryOp, Expr, ExprKind, Statement, Stateme
 use plcc_syntax::Elementary;
 use rustc_hash::FxHashMap;
 
+use super::same::{comparable, is_more_than_variables};
+
 /// Reports the branches of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
     walk::statements(list, &mut Branches { text, found });
@@ -76,25 +78,6 @@ impl Visitor for Branches<'_> {
     }
 }
 
-/// A text without the blanks and the letter case that make no difference. In quotes blanks do, and in those of texts the letter case too.
-pub fn comparable(text: String) -> String {
-    if text.contains('\'') {
-        return text;
-    }
-    if text.contains('"') {
-        return text.to_uppercase();
-    }
-    let is_word = |sign: char| sign.is_alphanumeric() || sign == '_';
-    let mut whole = String::with_capacity(text.len());
-    for word in text.split_whitespace() {
-        if whole.ends_with(is_word) && word.starts_with(is_word) {
-            whole.push(' ');
-        }
-        whole.push_str(word);
-    }
-    whole.to_uppercase()
-}
-
 /// Whether a condition may have another value the next time, or change a variable.
 fn may_differ(condition: &Expr) -> bool {
     let mut looked = Differs(false);
@@ -106,15 +89,7 @@ struct Differs(bool);
 
 impl Visitor for Differs {
     fn expr(&mut self, value: &Expr) {
-        self.0 |= matches!(
-            value.kind,
-            ExprKind::Call(_)
-                | ExprKind::Timer(_)
-                | ExprKind::Counter(_)
-                | ExprKind::Cell { .. }
-                | ExprKind::Flag
-                | ExprKind::LastEno
-        );
+        self.0 |= is_more_than_variables(value);
     }
 
     fn access(&mut self, access: &Access, _role: Role) {

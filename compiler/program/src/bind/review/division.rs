@@ -6,7 +6,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::article::with_article;
 use rustc_hash::FxHashSet;
 
-use super::branches::comparable;
+use super::same::comparable;
 
 /// Reports the divisions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
@@ -32,7 +32,7 @@ impl walk::Visitor for Remainders<'_> {
 
 struct Divisions<'r> {
     text: &'r dyn Fn(Span) -> String,
-    /// The dividends and divisors of which the block has the remainder, too.
+    /// The dividends and divisors whose remainder the block computes as well.
     remainders: FxHashSet<(String, String)>,
     /// The statement that is looked at.
     statement: Option<Span>,

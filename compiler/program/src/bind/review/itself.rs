@@ -4,8 +4,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::Place;
 use plcc_model::scl::{Base, CompareOp, Expr, ExprKind, Statement, walk};
 
-use super::branches::comparable;
 use super::region::{Bits, Region};
+use super::same::comparable;
 
 /// Reports the comparisons of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {

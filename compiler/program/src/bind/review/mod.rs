@@ -15,6 +15,7 @@
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
 //! - [`opened`]: accesses in STL to another data block than the one that was opened.
 //! - [`product`]: products of short whole numbers in SCL that become longer ones.
+//! - [`same`]: whether what is written twice is the same.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
 //! - [`outputs`]: outputs that two blocks assign in one cycle.
@@ -40,6 +41,7 @@ mod overlaps;
 mod product;
 mod recursion;
 mod region;
+mod same;
 mod stl;
 mod temporary;
 mod timers;

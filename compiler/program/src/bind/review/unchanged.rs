@@ -7,6 +7,7 @@ use plcc_model::scl::walk::{self, Role, Visitor};
 use plcc_model::scl::{Access, BinaryOp, Call, Expr, ExprKind, Statement, StatementKind, UnaryOp};
 
 use super::region::{Bits, Region};
+use super::same::is_more_than_variables;
 use crate::bind::scl::leaves;
 
 /// Reports the loops in `list` and in the lists inside it. `text`: what is written at a place.
@@ -58,13 +59,13 @@ fn unchanged(condition: &Expr, body: &[Statement]) -> Option<Span> {
 #[derive(Default)]
 struct Reads {
     places: Vec<(Bits, Span)>,
-    /// It depends on something else, too.
+    /// It depends on something else as well.
     is_open: bool,
 }
 
 impl Visitor for Reads {
     fn expr(&mut self, value: &Expr) {
-        self.is_open |= is_open(value);
+        self.is_open |= is_more_than_variables(value);
     }
 
     fn access(&mut self, access: &Access, _role: Role) {
@@ -73,20 +74,6 @@ impl Visitor for Reads {
             _ => self.is_open = true,
         }
     }
-}
-
-/// A value that does not depend on variables alone, or changes something.
-fn is_open(value: &Expr) -> bool {
-    matches!(
-        value.kind,
-        ExprKind::Call(_)
-            | ExprKind::Timer(_)
-            | ExprKind::Counter(_)
-            | ExprKind::Cell { .. }
-            | ExprKind::Flag
-            | ExprKind::LastEno
-            | ExprKind::Bound { .. }
-    )
 }
 
 /// Looks for a statement that may change one of some places.
@@ -111,30 +98,15 @@ impl Changes<'_> {
 
 impl Visitor for Changes<'_> {
     fn statement(&mut self, statement: &Statement) {
-        match &statement.kind {
-            StatementKind::Assign { target, .. }
-            | StatementKind::AssignText { target, .. }
-            | StatementKind::Copy { target, .. }
-            | StatementKind::For { variable: target, .. } => self.written(target),
+        statement.kind.target().into_iter().for_each(|target| self.written(target));
+        self.found |= matches!(
+            statement.kind,
             StatementKind::Call(_)
-            | StatementKind::Goto(_)
-            | StatementKind::Label(_)
-            | StatementKind::Sleep(_)
-            | StatementKind::Stl(_) => self.found = true,
-            StatementKind::SetFlag(_)
-            | StatementKind::Failed
-            | StatementKind::Watch(_)
-            | StatementKind::Evaluate(_)
-            | StatementKind::If { .. }
-            | StatementKind::Case { .. }
-            | StatementKind::While { .. }
-            | StatementKind::Repeat { .. }
-            | StatementKind::Exit
-            | StatementKind::Continue
-            | StatementKind::Return(_)
-            | StatementKind::Assert(_)
-            | StatementKind::Apart => {}
-        }
+                | StatementKind::Goto(_)
+                | StatementKind::Label(_)
+                | StatementKind::Sleep(_)
+                | StatementKind::Stl(_)
+        );
     }
 
     fn expr(&mut self, value: &Expr) {

@@ -7,6 +7,7 @@ use plcc_syntax::scl::ast::{
 };
 
 use super::Intent;
+use super::actual::is_variable;
 use super::constant;
 use super::expression::{constant_expr, typed_constant};
 use super::value::Value;
@@ -410,17 +411,4 @@ fn compared_first(node: &Node) -> Option<(&Node, Span)> {
         current = left;
     }
     None
-}
-
-/// Whether the node is what can stand before `:=`.
-fn is_variable(node: &Node) -> bool {
-    matches!(
-        node.kind,
-        NodeKind::Name(_)
-            | NodeKind::Absolute(_)
-            | NodeKind::Member { .. }
-            | NodeKind::MemberAbsolute { .. }
-            | NodeKind::Slice { .. }
-            | NodeKind::Index { .. }
-    )
 }

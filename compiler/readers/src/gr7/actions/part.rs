@@ -128,7 +128,7 @@ fn is_action(state: &mut State, body: &ActionBody) -> bool {
     is_variable(state, operand, Code::ActionText)
 }
 
-/// Whether `:=` is before the value of an N row, which is no time or count as that of other rows; reports that it is missing. `qualifier`:
+/// Whether `:=` is before the value of an N row, which is not a time or a count as in other rows; reports that it is missing. `qualifier`:
 /// where the mark is.
 fn is_assigned(state: &mut State, body: &ActionBody, mark: Mark, qualifier: Range<usize>) -> bool {
     let ActionBody::Value { operand, value } = body else { return true };

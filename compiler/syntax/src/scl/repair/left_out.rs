@@ -86,16 +86,7 @@ impl Repair<'_> {
                 RawKind::LeftParen | RawKind::LeftBracket => depth += 1,
                 RawKind::RightParen | RawKind::RightBracket => depth = depth.checked_sub(1)?,
                 RawKind::Semicolon | RawKind::Colon => return None,
-                RawKind::Assign
-                | RawKind::AddAssign
-                | RawKind::SubtractAssign
-                | RawKind::MultiplyAssign
-                | RawKind::DivideAssign
-                | RawKind::AttemptAssign
-                    if depth == 0 =>
-                {
-                    return None;
-                }
+                kind if depth == 0 && kind.assigns() => return None,
                 _ => {}
             }
             match token.keyword {

@@ -384,7 +384,7 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
-    /// Whether `(` begins the values of a structure: it is the start value of a variable that is no array, or inside such a value.
+    /// Whether `(` begins the values of a structure: it is the start value of a variable that is not an array, or inside such a value.
     fn begins_structure(&self) -> bool {
         match self.last() {
             // A parenthesis in a parenthesis is `2((5, TRUE))`.

@@ -19,16 +19,7 @@ impl Classifier<'_, '_> {
                 RawKind::LeftParen | RawKind::LeftBracket => depth += 1,
                 RawKind::RightParen | RawKind::RightBracket => depth = depth.saturating_sub(1),
                 RawKind::Semicolon => return false,
-                RawKind::Assign
-                | RawKind::AddAssign
-                | RawKind::SubtractAssign
-                | RawKind::MultiplyAssign
-                | RawKind::DivideAssign
-                | RawKind::AttemptAssign
-                    if depth == 0 =>
-                {
-                    return false;
-                }
+                kind if depth == 0 && kind.assigns() => return false,
                 _ if index > 0 && token.keyword.is_some_and(Keyword::ends_expression) => return false,
                 _ => {}
             }
