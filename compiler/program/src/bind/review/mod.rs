@@ -1,6 +1,6 @@
-//! Statements without effect, and values that are never set: warnings about bound code that is valid.
+//! Warnings about bound code that is valid, but does nothing, or hardly what its author means.
 //!
-//! A warning is given only where no path through the program makes the statement useful.
+//! A statement has no effect only where no path through the program makes it useful.
 //!
 //! - [`stl`]: labels, unreachable statements, timers and assignments in STL; [`tree`]: labels and unreachable statements in the other
 //!   languages.
