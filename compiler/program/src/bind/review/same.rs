@@ -1,0 +1,35 @@
+//! Whether what is written twice in SCL is the same, and has the same value the second time.
+
+use plcc_model::scl::{Expr, ExprKind};
+
+/// A text without the blanks and the letter case that make no difference. Blanks inside quotes do, and so does the letter case of texts.
+pub fn comparable(text: String) -> String {
+    if text.contains('\'') {
+        return text;
+    }
+    if text.contains('"') {
+        return text.to_uppercase();
+    }
+    let is_word = |sign: char| sign.is_alphanumeric() || sign == '_';
+    let mut whole = String::with_capacity(text.len());
+    for word in text.split_whitespace() {
+        if whole.ends_with(is_word) && word.starts_with(is_word) {
+            whole.push(' ');
+        }
+        whole.push_str(word);
+    }
+    whole.to_uppercase()
+}
+
+/// Whether a value depends on more than variables, or evaluating it changes something. What is inside it is not looked at.
+pub fn is_more_than_variables(value: &Expr) -> bool {
+    matches!(
+        value.kind,
+        ExprKind::Call(_)
+            | ExprKind::Timer(_)
+            | ExprKind::Counter(_)
+            | ExprKind::Cell { .. }
+            | ExprKind::Flag
+            | ExprKind::LastEno
+    )
+}
