@@ -1,17 +1,18 @@
 //! What is retentive on a CPU, as bytes: one item for each data block and each part of an area.
 //!
-//! A content is a head and items. The head: 1 if everything was kept for a hot restart, else 0; the milliseconds that the timers of the CPU
-//! have counted (`u64`); the name of the program (length `u16`). An item: kind, number (`u16`), signature (`u64`), length (`u32`), and so
-//! many bytes. Numbers are little-endian. An item comes back only into one with the same signature. Data blocks with symbolic names are found by
-//! them: their bytes begin with the name (length `u16`), and the number is only for messages.
+//! A content is a head and items. The head: bit 0 is 1 if everything was kept for a hot restart, the other bits of the byte are the number
+//! of the [family], 0 is any; the milliseconds that the timers of the CPU have counted (`u64`); the name of the program (length `u16`). An
+//! item: kind, number (`u16`), signature (`u64`), length (`u32`), and so many bytes. Numbers are little-endian. An item comes back only into
+//! one with the same signature. Data blocks with symbolic names are found by them: their bytes begin with the name (length `u16`), and the
+//! number is only for messages.
 
 use plcc_abi::image::{DbEntry, Family, Kept};
 use plcc_abi::layout::{self, COUNTER_CELL_BYTES};
 use plcc_abi::names::{NamedType, TypeNumber};
 use plcc_abi::s7200::{COUNTERS, V_DB};
 
-use super::numbers;
 use super::references::{self, Reference};
+use super::{family, numbers};
 use crate::cpu::{Area, Cpu};
 use crate::timers;
 
@@ -118,7 +119,7 @@ pub(crate) struct Loaded {
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Refused {
     Damaged,
-    /// Another program has written it.
+    /// Another program has written it, or this one for another family: what a message says of the file.
     Program(String),
 }
 
@@ -221,7 +222,7 @@ impl Items {
     /// Puts the content of this moment into `content`.
     pub(crate) fn collect(&self, cpu: &Cpu, content: &mut Vec<u8>) {
         content.clear();
-        content.push(self.everything.into());
+        content.push(family::number(cpu.image.profile.family) << 1 | u8::from(self.everything));
         content.extend(cpu.clock.counted().to_le_bytes());
         let name = cpu.image.name.as_bytes();
         let name = &name[..name.len().min(usize::from(u16::MAX))];
@@ -249,10 +250,13 @@ impl Items {
         let name_bytes = usize::from(u16::from_le_bytes([head[9], head[10]]));
         let (name, rest) = rest.split_at_checked(name_bytes).ok_or(Refused::Damaged)?;
         if name != cpu.image.name.as_bytes() {
-            return Err(Refused::Program(String::from_utf8_lossy(name).into_owned()));
+            return Err(Refused::Program(format!("is of the program `{}`", String::from_utf8_lossy(name))));
+        }
+        if let Some(why) = family::difference(head[0] >> 1, cpu.image.profile.family) {
+            return Err(Refused::Program(why));
         }
         let kept = parts(rest).ok_or(Refused::Damaged)?;
-        let is_alike = head[0] == u8::from(self.everything);
+        let is_alike = head[0] & 1 == u8::from(self.everything);
         let mut loaded = Loaded { complete: is_alike, ..Loaded::default() };
         let find = |item: &Item| kept.iter().find(|part| part.is_of(item));
         if self.everything

@@ -7,6 +7,7 @@
 //!
 //! Sources: CPU manuals, retentive memory and restart types; S7-200 system manual, storing and restoring data.
 
+mod family;
 mod items;
 mod late;
 mod numbers;
@@ -196,11 +197,9 @@ impl Cpu {
                     self.note_lost(&format!("{path} is incomplete: all data begins with its start values"));
                     Restored::Lost
                 }
-                Err(Refused::Program(name)) => {
+                Err(Refused::Program(why)) => {
                     let kept = keep_before(file);
-                    let text =
-                        format!("{path} is of the program `{name}`: all data begins with its start values{kept}");
-                    self.note_lost(&text);
+                    self.note_lost(&format!("{path} {why}: all data begins with its start values{kept}"));
                     Restored::Lost
                 }
             },

@@ -133,7 +133,10 @@ fn startup_obs_are_told_what_came_back() {
     };
     // Automatic warm restarts; only these are allowed, or hot ones, too.
     assert_eq!(told(Family::S71500), (0, 0x0820_7720), "nothing was there");
+    assert_eq!(told(Family::S7400), (retained::LOST, 0x0820_FF20), "memory of another family");
+    assert!(path.with_file_name("retain.old").exists());
     assert_eq!(told(Family::S7400), (retained::REMANENCE, 0x0810_FF10));
+    assert_eq!(told(Family::S7300), (retained::REMANENCE, 0x0810_7710), "a program is moved with its data");
     let mut bytes = std::fs::read(&path).unwrap();
     bytes.iter_mut().skip(64).for_each(|byte| *byte ^= 0x55);
     std::fs::write(&path, bytes).unwrap();
