@@ -296,5 +296,15 @@ fn only_where_asked_for() -> Result<(), Failed> {
     {
         return Err(format!("values for nobody: {said:?}").into());
     }
+    let without = built("without", &["--services", "--no-monitor"])?;
+    for (program, status) in [(&with, "200"), (&without, "404")] {
+        let port = process::free_port();
+        let running = process::Plc::run(program, &["--web", &format!("127.0.0.1:{port}")])?;
+        let answer = process::get(port, "/places/OB1")?;
+        if !answer.starts_with(&format!("HTTP/1.1 {status}")) {
+            return Err(format!("places of statements: {answer}, not {status}").into());
+        }
+        running.end()?;
+    }
     Ok(())
 }

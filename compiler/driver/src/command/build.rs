@@ -153,7 +153,7 @@ fn checked_output(args: &BuildArgs, name: &str, what: &str) -> Result<PathBuf, u
 /// The object files, with the help of the code that the last build kept: one, or three if the program can be watched while it runs.
 fn cached_objects(bound: Bound, args: &BuildArgs, output: &Path) -> Result<Vec<Vec<u8>>, u8> {
     let mut lowered = pipeline::lower_begun(&bound, args.optimization.optimization());
-    let is_monitored = args.monitor || bound.program.config.services.web.is_some() && !args.no_monitor;
+    let is_monitored = !args.no_monitor && runtime(&bound, args) == Runtime::Services;
     let probed = is_monitored.then(|| pipeline::lower_beside(&bound, &mut lowered));
     // A large program takes much memory; what is no longer needed makes room.
     drop(bound);
