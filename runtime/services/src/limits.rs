@@ -22,6 +22,13 @@ pub const QUEUE_MAX: usize = 64;
 /// Cyclic jobs of an S7 connection, and variables of one.
 pub const SUBSCRIPTIONS_MAX: usize = 16;
 pub const SUBSCRIBED_ITEMS_MAX: usize = 20;
+/// S7 jobs of a connection that may wait for their answers.
+pub const PARALLEL_JOBS_MAX: u16 = 8;
+/// Pieces of an S7 PDU, and those of them without a byte.
+pub const PIECES_MAX: usize = 64;
+pub const EMPTY_PIECES_MAX: usize = 8;
+/// Entries of the diagnostic buffer in one answer to an S7 client.
+pub const EVENTS_LISTED_MAX: usize = 100;
 
 /// How long a partner of the program may take to answer a job, or to send the next segment of a block.
 pub const PARTNER_TIME: Duration = Duration::from_secs(10);
@@ -34,6 +41,8 @@ pub const TRANSFERS_MAX: usize = 16;
 /// Wrong passwords of a computer before it has to wait, and how long.
 pub const WRONG_PASSWORDS_MAX: u32 = 3;
 pub const PASSWORD_PAUSE: Duration = Duration::from_secs(5);
+/// Pause before a wrong password of a user is answered.
+pub const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
 /// Computers whose wrong passwords are counted.
 pub const GUESSERS_MAX: usize = 1024;
 
@@ -57,6 +66,12 @@ pub const PROGRAM_TIME: Duration = Duration::from_secs(60);
 pub const SIGN_IN_MAX: usize = 4096;
 /// Watch tables of the project that are listed.
 pub const TABLES_MAX: usize = 200;
+/// Letters of the name of a watch table.
+pub const TABLE_NAME_MAX: usize = 64;
+/// Names that a page lists at most; others can be typed.
+pub const NAMES_MAX: usize = 20_000;
+/// Samples of a trace in one message.
+pub const SAMPLES_SENT_MAX: usize = 10_000;
 /// Values that one page may watch, and letters of a name.
 pub const WATCHED_MAX: usize = 2_000;
 pub const NAME_MAX: usize = 500;
@@ -71,6 +86,9 @@ pub const OPCUA_CHUNKS_MAX: usize = 64;
 pub const OPCUA_CHUNK_MAX: usize = 65_536;
 /// The longest message that opens a channel: it is decrypted, which takes time.
 pub const OPCUA_OPEN_MAX: usize = 8192;
+/// The longest first message of a client, and the longest URL that is given back to it.
+pub const OPCUA_HELLO_MAX: usize = 8192;
+pub const OPCUA_URL_MAX: usize = 256;
 /// Nodes of one request, those that it may browse, and what it may read: elements, or 32 bytes of a text each.
 pub const OPCUA_NODES_MAX: usize = 1_000;
 pub const OPCUA_BROWSED_MAX: usize = 100;
@@ -78,6 +96,8 @@ pub const OPCUA_READ_MAX: u32 = 512 * 1024;
 /// Elements of an array that is one value, and elements that a browser gets.
 pub const OPCUA_ELEMENTS_MAX: u32 = 65_536;
 pub const OPCUA_LISTED_MAX: usize = 1_000;
+/// Parts of a path of names.
+pub const OPCUA_PATH_MAX: usize = 64;
 /// References in one response; the rest is asked for with a continuation point.
 pub const OPCUA_REFERENCES_MAX: usize = 5_000;
 pub const OPCUA_CONTINUATIONS_MAX: usize = 10;
@@ -97,6 +117,11 @@ pub const OPCUA_EVENT_OPERANDS_MAX: usize = 1_000;
 pub const OPCUA_EVENTS_MAX: usize = 50;
 /// The shortest time from one look at a value to the next.
 pub const OPCUA_SAMPLING_MIN: Duration = Duration::from_millis(50);
+/// The longest time between two looks or two publications.
+pub const OPCUA_INTERVAL_MAX: Duration = Duration::from_secs(3600);
+/// Publications without news until one is sent anyway, and without a request until the subscription ends.
+pub const OPCUA_KEEP_ALIVE_MAX: u32 = 1000;
+pub const OPCUA_LIFETIME_MAX: u32 = 3000;
 /// How long a session lasts without a request, and a channel until its keys are renewed.
 pub const OPCUA_SESSION_TIME: std::ops::RangeInclusive<Duration> = Duration::from_secs(10)..=Duration::from_secs(3600);
 pub const OPCUA_CHANNEL_TIME: std::ops::RangeInclusive<Duration> = Duration::from_secs(10)..=Duration::from_secs(3600);
@@ -104,6 +129,11 @@ pub const OPCUA_CHANNEL_TIME: std::ops::RangeInclusive<Duration> = Duration::fro
 /// Bytes of a message of a broker, and of one to it.
 pub const MQTT_RECEIVED_MAX: usize = 1024 * 1024;
 pub const MQTT_SENT_MAX: usize = 64 * 1024 * 1024;
+/// Values that are published.
+pub const PUBLISHED_MAX: usize = 1000;
+/// Silence until a broker is asked whether it is there; from one try to reach it to the next, at first and at last.
+pub const MQTT_KEEP_ALIVE: Duration = Duration::from_secs(5);
+pub const MQTT_RETRY: std::ops::RangeInclusive<Duration> = Duration::from_millis(250)..=Duration::from_secs(10);
 /// Commands of Sparkplug B that wait for the CPU, and metrics of one.
 pub const COMMANDS_MAX: usize = 64;
 pub const COMMAND_METRICS_MAX: usize = 1_000;

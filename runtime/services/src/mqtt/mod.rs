@@ -17,19 +17,14 @@ use rumqttc::{Event, EventLoop, MqttOptions, Packet, Publish, TlsConfiguration, 
 use tokio::sync::watch;
 use tokio_rustls::rustls::ClientConfig;
 
-use crate::limits::{MQTT_RECEIVED_MAX, MQTT_SENT_MAX};
+use crate::limits::{MQTT_KEEP_ALIVE, MQTT_RECEIVED_MAX, MQTT_RETRY, MQTT_SENT_MAX};
 use outage::Outage;
 
 /// Ports of MQTT without and with TLS.
 const PORT: u16 = 1883;
 const PORT_TLS: u16 = 8883;
-const KEEP_ALIVE: Duration = Duration::from_secs(5);
 /// From one look at the values to the next.
 const LOOK: Duration = Duration::from_millis(100);
-/// From one try to reach the broker to the next: at first, and at last.
-const RETRY: std::ops::RangeInclusive<Duration> = Duration::from_millis(250)..=Duration::from_secs(10);
-/// Values that are published.
-const VALUES_MAX: usize = 1000;
 /// The environment variable with the password, so that it need not be in a URL.
 const PASSWORD_VARIABLE: &str = "PLCC_MQTT_PASSWORD";
 
@@ -107,7 +102,7 @@ impl Broker {
 
     fn options(&self, client: String, tls: Option<&Arc<ClientConfig>>) -> MqttOptions {
         let mut options = MqttOptions::new(client, &self.host, self.port);
-        options.set_keep_alive(KEEP_ALIVE);
+        options.set_keep_alive(MQTT_KEEP_ALIVE);
         options.set_max_packet_size(MQTT_RECEIVED_MAX, MQTT_SENT_MAX);
         if let Some(config) = tls {
             options.set_transport(Transport::tls_with_config(TlsConfiguration::Rustls(config.clone())));
@@ -146,21 +141,21 @@ impl Duties for NoDuties {}
 
 /// Keeps the connection: `send` gets an odd number with each new one, and an even one when it is lost.
 async fn connect(mut events: EventLoop, send: watch::Sender<u64>, broker: String, mut duties: impl Duties) {
-    let mut pause = *RETRY.start();
+    let mut pause = *MQTT_RETRY.start();
     let mut outage = Outage::default();
     duties.prepare(&mut events.mqtt_options);
     loop {
         let event = events.poll().await;
         let mut is_back = false;
         if let Some(back) = outage.lasts(Instant::now()) {
-            pause = *RETRY.start();
+            pause = *MQTT_RETRY.start();
             is_back = back;
         }
         match event {
             Ok(Event::Incoming(Packet::ConnAck(_))) => {
                 is_back |= outage.made(Instant::now());
                 if !outage.is_unstable() {
-                    pause = *RETRY.start();
+                    pause = *MQTT_RETRY.start();
                 }
                 send.send_modify(|number| *number = (*number | 1) + u64::from(*number % 2 == 1) * 2);
             }
@@ -177,7 +172,7 @@ async fn connect(mut events: EventLoop, send: watch::Sender<u64>, broker: String
                 events.pending.clear();
                 send.send_modify(|number| *number += *number % 2);
                 tokio::time::sleep(pause).await;
-                pause = (pause * 2).min(*RETRY.end());
+                pause = (pause * 2).min(*MQTT_RETRY.end());
                 duties.prepare(&mut events.mqtt_options);
             }
         }

@@ -18,7 +18,8 @@ use plcc_runtime::signal::{self, Signal, Value};
 use rumqttc::{AsyncClient, LastWill, QoS};
 use tokio::time::{Instant, MissedTickBehavior, interval};
 
-use super::{LOOK, NoDuties, Target, VALUES_MAX, connect};
+use super::{LOOK, NoDuties, Target, connect};
+use crate::limits::PUBLISHED_MAX;
 use crate::link::Link;
 
 /// First part of topics, unless the URL names another.
@@ -68,8 +69,8 @@ pub fn named(values: &[String], image: &ProgramImage) -> Result<Vec<Signal>, Str
     }
     match signals.len() {
         0 => Err("--mqtt: no values: name them with --publish, or as `values` in [services]".to_string()),
-        1..=VALUES_MAX => Ok(signals),
-        count => Err(format!("--publish: {count} values; at most {VALUES_MAX} are published")),
+        1..=PUBLISHED_MAX => Ok(signals),
+        count => Err(format!("--publish: {count} values; at most {PUBLISHED_MAX} are published")),
     }
 }
 

@@ -3,10 +3,8 @@
 //! A decoder takes only what is there: a length is checked against the bytes that are left before anything is made of it.
 
 use super::status::{self, Status};
+use crate::limits::OPCUA_ELEMENTS_MAX;
 use crate::wire;
-
-/// Elements of an array in a request.
-const ELEMENTS_MAX: usize = 65_536;
 
 /// What is left of a message. `None` of its functions: the message is wrong.
 #[derive(Clone)]
@@ -65,7 +63,7 @@ impl<'a> Reader<'a> {
     pub fn count(&mut self) -> Option<usize> {
         match self.i32()? {
             ..=-1 => Some(0),
-            count => Some(count as usize).filter(|count| *count <= self.0.len().min(ELEMENTS_MAX)),
+            count => Some(count as usize).filter(|count| *count <= self.0.len().min(OPCUA_ELEMENTS_MAX as usize)),
         }
     }
 

@@ -14,13 +14,13 @@ use super::code::{Reader, Writer, now};
 use super::session::{self, Response, Session, opening_head, response};
 use super::status::{self, Status};
 use crate::limits::{
-    ANSWER_TIME, FRAME_TIME, OPCUA_CHUNK_MAX, OPCUA_CHUNKS_MAX, OPCUA_OPEN_MAX, OPCUA_REQUEST_MAX, SETUP_TIME,
+    ANSWER_TIME, FRAME_TIME, OPCUA_CHUNK_MAX, OPCUA_CHUNKS_MAX, OPCUA_HELLO_MAX, OPCUA_OPEN_MAX, OPCUA_REQUEST_MAX,
+    SETUP_TIME,
 };
 use crate::listen::Visitor;
 
 /// The smallest chunk that both sides must be able to take.
 const CHUNK_MIN: u32 = 8192;
-const HELLO_MAX: usize = 8192;
 const OPEN_CHANNEL: u32 = 446;
 
 /// Answers one client until it breaks the rules, goes, or the CPU ends or gets a program with other types of structures.
@@ -128,7 +128,7 @@ impl Connection {
         let [a, b, c, part, size @ ..] = *head;
         let size = u32::from_le_bytes(size) as usize;
         let most = match (&[a, b, c], part) {
-            (b"HEL", b'F') => HELLO_MAX,
+            (b"HEL", b'F') => OPCUA_HELLO_MAX,
             (b"OPN", b'F') => OPCUA_OPEN_MAX,
             (b"MSG" | b"CLO", b'F' | b'C' | b'A') => OPCUA_CHUNK_MAX,
             _ => return Err(Some(status::MESSAGE_TYPE_INVALID)),

@@ -8,17 +8,14 @@ use super::channel::Mode;
 use super::code::{Reader, Writer};
 use super::crypto::{Policy, decrypt_password};
 use super::status::{self, Status};
+use crate::limits::{OPCUA_URL_MAX, WRONG_PASSWORD_PAUSE};
 
-/// The longest URL that is given back to a client.
-const URL_MAX: usize = 256;
 const ANONYMOUS: &str = "anonymous";
 const USER: &str = "user";
 const TRANSPORT: &str = "http://opcfoundation.org/UA-Profile/Transport/uatcp-uasc-uabinary";
 /// Numbers of the encodings of tokens.
 const ANONYMOUS_TOKEN: u32 = 321;
 const USER_TOKEN: u32 = 324;
-/// Pause after a wrong password.
-const WRONG_PASSWORD_PAUSE: std::time::Duration = std::time::Duration::from_secs(1);
 
 /// ApplicationDescription.
 fn put_application(server: &Server, out: &mut Writer, url: &str) {
@@ -33,7 +30,7 @@ fn put_application(server: &Server, out: &mut Writer, url: &str) {
 
 /// The address as a client has written it: it may see this computer by another name.
 fn url_for(server: &Server, asked: &str) -> String {
-    match asked.starts_with("opc.tcp://") && asked.len() <= URL_MAX {
+    match asked.starts_with("opc.tcp://") && asked.len() <= OPCUA_URL_MAX {
         true => asked.to_string(),
         false => format!("opc.tcp://{}", server.address),
     }

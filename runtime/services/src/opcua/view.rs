@@ -5,7 +5,9 @@ use super::code::{NodeId, Reader, Writer};
 use super::space::Node;
 use super::standard::{self, HAS_TYPE_DEFINITION};
 use super::status::{self, Status};
-use crate::limits::{OPCUA_BROWSED_MAX, OPCUA_CONTINUATIONS_MAX, OPCUA_NODES_MAX, OPCUA_REFERENCES_MAX};
+use crate::limits::{
+    OPCUA_BROWSED_MAX, OPCUA_CONTINUATIONS_MAX, OPCUA_NODES_MAX, OPCUA_PATH_MAX, OPCUA_REFERENCES_MAX,
+};
 
 /// A reference from a node to another.
 #[derive(Clone)]
@@ -174,8 +176,6 @@ fn put_result(out: &mut Writer, status: Status, point: &[u8], references: &[Refe
 
 /// TranslateBrowsePathsToNodeIds.
 pub fn translate(server: &Server, reader: &mut Reader, out: &mut Writer) -> Result<(), Status> {
-    /// Parts of a path.
-    const PARTS_MAX: usize = 64;
     let part = |reader: &mut Reader| Some((reader.node()?, reader.bool()?, reader.bool()?, reader.name()?));
     let path = |reader: &mut Reader| Some((reader.node()?, reader.list(part)?));
     let paths = reader.list(path).ok_or(status::DECODING)?;
@@ -184,7 +184,7 @@ pub fn translate(server: &Server, reader: &mut Reader, out: &mut Writer) -> Resu
     for (start, parts) in paths {
         let found = match server.space.node(&start) {
             None => Err(status::NODE_UNKNOWN),
-            Some(_) if parts.is_empty() || parts.len() > PARTS_MAX => Err(status::NOTHING_TO_DO),
+            Some(_) if parts.is_empty() || parts.len() > OPCUA_PATH_MAX => Err(status::NOTHING_TO_DO),
             Some(node) => parts.iter().try_fold(node, |node, (ty, back, subtypes, (namespace, name))| {
                 let wanted = |own: u32| {
                     *ty == NodeId::number(0, 0)

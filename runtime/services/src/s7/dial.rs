@@ -1,7 +1,8 @@
 //! How this side sets a connection up: what it asks for, and what the partner grants.
 
 use super::partner::job;
-use super::session::{ACK_DATA, PARALLEL_JOBS, PROTOCOL, SETUP};
+use super::session::{ACK_DATA, PROTOCOL, SETUP};
+use crate::limits::PARALLEL_JOBS_MAX;
 use crate::wire::{Bytes, put16};
 
 /// Reference of this side of the transport connection.
@@ -12,7 +13,7 @@ const PDU_MIN: u16 = 112;
 /// The job that agrees on the length of PDUs.
 pub fn set_up(pdu: u16) -> Vec<u8> {
     let mut parameter = vec![SETUP, 0];
-    for number in [PARALLEL_JOBS, PARALLEL_JOBS, pdu] {
+    for number in [PARALLEL_JOBS_MAX, PARALLEL_JOBS_MAX, pdu] {
         put16(&mut parameter, number);
     }
     job([0, 0], &parameter, &[])
@@ -33,7 +34,7 @@ pub fn agreed(answer: &[u8], asked: u16) -> Option<Agreed> {
     let [SETUP, _] = rest.array::<2>()? else { return None };
     let (jobs, _, pdu) = (rest.u16()?, rest.u16()?, rest.u16()?);
     let fits = rest.is_empty() && (PDU_MIN..=asked).contains(&pdu);
-    fits.then_some(Agreed { pdu, jobs: jobs.clamp(1, PARALLEL_JOBS) })
+    fits.then_some(Agreed { pdu, jobs: jobs.clamp(1, PARALLEL_JOBS_MAX) })
 }
 
 #[cfg(test)]

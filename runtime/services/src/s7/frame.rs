@@ -3,6 +3,7 @@
 //! A stream is cut into frames; a frame is a request for a connection, or a piece of a PDU. Whatever breaks the rules ends the
 //! connection: a client that counts wrongly cannot be understood later either.
 
+use crate::limits::{EMPTY_PIECES_MAX, PIECES_MAX};
 use crate::wire::{Bytes, put16};
 
 /// Port of ISO-on-TCP.
@@ -11,9 +12,6 @@ pub const PORT: u16 = 102;
 pub const HEAD_BYTES: usize = 7;
 /// The longest frame with a request for a connection.
 const CONNECT_BYTES_MAX: usize = 258;
-/// Pieces of a PDU, and those of them without a byte.
-const PIECES_MAX: usize = 64;
-const EMPTY_PIECES_MAX: usize = 8;
 
 /// Types of COTP frames; the low half of the byte is a credit, which class 0 does not use.
 const CONNECT_REQUEST: u8 = 0xE0;

@@ -9,6 +9,7 @@ use super::plc::{Plc, Restart};
 use super::userdata::{self, Pending};
 use super::variables::{self, READ, Refused, WRITE, WRONG_PDU};
 use super::watch_list;
+use crate::limits::PARALLEL_JOBS_MAX;
 use crate::wire::{Bytes, put16};
 
 pub(super) const PROTOCOL: u8 = 0x32;
@@ -52,8 +53,6 @@ const ALREADY_STOPPED: u8 = 7;
 pub const PDU_MIN: u16 = 240;
 /// The longest that any CPU agrees on, which may come before that.
 pub const PDU_BEFORE: usize = 960;
-/// Jobs that may wait for their answers.
-pub(super) const PARALLEL_JOBS: u16 = 8;
 
 /// What stands between a client and the CPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -259,14 +258,14 @@ impl Session {
         let asked = rest.u16().filter(|length| *length > 0 && rest.is_empty()).ok_or(wrong)?;
         let pdu = asked.clamp(PDU_MIN, plc.family().pdu_max());
         self.pdu = Some(pdu);
-        self.jobs = calling.min(called).clamp(1, PARALLEL_JOBS);
+        self.jobs = calling.min(called).clamp(1, PARALLEL_JOBS_MAX);
         self.setups = self.setups.wrapping_add(1);
         self.pending = None;
         self.subscriptions.clear();
         self.watched.clear();
         let mut parameter = vec![SETUP, 0];
         for jobs in [calling, called] {
-            put16(&mut parameter, jobs.clamp(1, PARALLEL_JOBS));
+            put16(&mut parameter, jobs.clamp(1, PARALLEL_JOBS_MAX));
         }
         put16(&mut parameter, pdu);
         Ok(acknowledge(reference, 0, &parameter, &[]))

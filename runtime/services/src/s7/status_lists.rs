@@ -2,7 +2,7 @@
 
 use super::plc::{Event, Plc};
 use super::watch_list;
-use crate::limits::{CONNECTIONS_MAX, SUBSCRIPTIONS_MAX};
+use crate::limits::{CONNECTIONS_MAX, EVENTS_LISTED_MAX, SUBSCRIPTIONS_MAX};
 use crate::wire::put16;
 
 /// Error words.
@@ -25,9 +25,6 @@ pub fn identifies(id: u16) -> bool {
 /// Events that change the mode.
 const RUN: u16 = 0x4302;
 const STOP: u16 = 0x4303;
-
-/// Entries of the diagnostic buffer in one answer.
-const EVENTS_MAX: usize = 100;
 
 /// Bits of the number of a list: only its head.
 const HEAD_ONLY: u16 = 0x0F00;
@@ -105,8 +102,8 @@ fn list(plc: &dyn Plc, levels: (u16, u16), id: u16, index: u16) -> Option<List> 
         0x0424 => all(20, vec![mode(plc)]),
         0x0124 => all(20, vec![plc.last_mode_change().map_or_else(|| mode(plc), |event| entry(&event))]),
         0x0222 => all(28, vec![plc.ob_status(index)?]),
-        0x00A0 | 0x0FA0 => all(20, events(plc, EVENTS_MAX)),
-        0x01A0 => all(20, events(plc, usize::from(index).min(EVENTS_MAX))),
+        0x00A0 | 0x0FA0 => all(20, events(plc, EVENTS_LISTED_MAX)),
+        0x01A0 => all(20, events(plc, usize::from(index).min(EVENTS_LISTED_MAX))),
         _ => None,
     }
 }

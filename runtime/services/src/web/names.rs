@@ -1,5 +1,6 @@
 //! The values that can be watched.
 
+use crate::limits::NAMES_MAX;
 use plcc_abi::ProgramImage;
 use plcc_runtime::names::{self, Named};
 use plcc_runtime::signal::Source;
@@ -13,11 +14,8 @@ pub struct Listed {
     pub ty: &'static str,
 }
 
-/// Names that are listed at most; others can be typed.
-const LISTED_MAX: usize = 20_000;
-
 /// All values that the program uses, in order.
 pub fn list(image: &ProgramImage) -> Vec<Listed> {
-    let all = names::used(image).into_iter().take(LISTED_MAX);
+    let all = names::used(image).into_iter().take(NAMES_MAX);
     all.map(|(name, named): (String, Named)| Listed { name, ty: Source::of(named).ty() }).collect()
 }

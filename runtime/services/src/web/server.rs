@@ -2,7 +2,6 @@
 
 use std::net::IpAddr;
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::body::{Bytes, to_bytes};
 use axum::extract::ws::WebSocketUpgrade;
@@ -26,15 +25,15 @@ use tokio::time::timeout;
 use super::tables::{Tables, Wrong};
 use super::users::{May, Users};
 use super::{info, names, session, status};
-use crate::limits::{FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX, PROGRAM_TIME, SIGN_IN_MAX};
+use crate::limits::{
+    FRAME_TIME, HTTP_BYTES_MAX, PAGE_MESSAGE_MAX, PAGES_MAX, PROGRAM_MAX, PROGRAM_TIME, SIGN_IN_MAX,
+    WRONG_PASSWORD_PAUSE,
+};
 use crate::link::Link;
 use crate::listen::Open;
 use crate::password;
 use crate::patience::Patience;
 use crate::tls::Stream;
-
-/// Pause after a wrong password.
-const WRONG_PASSWORD_PAUSE: Duration = Duration::from_secs(1);
 
 /// What the page is made of.
 #[derive(Clone)]

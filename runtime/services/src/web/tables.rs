@@ -5,10 +5,7 @@ use std::path::{Path, PathBuf};
 use plcc_runtime::files;
 use plcc_runtime::watch::sheet::Sheet;
 
-use crate::limits::{PAGE_MESSAGE_MAX, TABLES_MAX};
-
-/// Letters of a name.
-const NAME_MAX: usize = 64;
+use crate::limits::{PAGE_MESSAGE_MAX, TABLE_NAME_MAX, TABLES_MAX};
 
 /// Why there is no table, or none was written.
 #[derive(Debug, PartialEq, Eq)]
@@ -79,12 +76,12 @@ impl Tables {
 /// Whether a text names a table. A name is part of a path, so nothing in it may lead elsewhere. `Err`: the error.
 fn check(name: &str) -> Result<(), String> {
     let is_letter = |letter: char| letter.is_alphanumeric() || " _-.()".contains(letter);
-    let fits = !name.is_empty() && name.chars().count() <= NAME_MAX && !name.starts_with('.');
+    let fits = !name.is_empty() && name.chars().count() <= TABLE_NAME_MAX && !name.starts_with('.');
     match fits && name.chars().all(is_letter) && name.trim() == name {
         true => Ok(()),
         false => Err(format!(
-            "`{}` cannot be the name of a watch table: write up to {NAME_MAX} letters, digits, blanks, or _ - . ( )",
-            name.chars().take(NAME_MAX).collect::<String>()
+            "`{}` cannot be the name of a watch table: write up to {TABLE_NAME_MAX} letters, digits, blanks, or _ - . ( )",
+            name.chars().take(TABLE_NAME_MAX).collect::<String>()
         )),
     }
 }

@@ -5,10 +5,8 @@ use plcc_runtime::monitor::recording::{Plan, Progress, SAMPLES_MAX, SIGNALS_MAX,
 use serde::{Deserialize, Serialize};
 
 use super::session::source;
+use crate::limits::SAMPLES_SENT_MAX;
 use crate::link::Link;
-
-/// Samples in one message.
-pub const PART_MAX: usize = 10_000;
 
 /// What is to be recorded.
 #[derive(Debug, Deserialize)]
@@ -104,7 +102,7 @@ impl Recorder {
             self.state = "lost";
             return Some(Part { samples: Vec::new(), state: self.state, now: 0.0, before: 0, base: Vec::new() });
         };
-        let state = match (progress.triggered, progress.is_full && progress.samples.len() < PART_MAX) {
+        let state = match (progress.triggered, progress.is_full && progress.samples.len() < SAMPLES_SENT_MAX) {
             (None, _) => "waiting",
             (Some(_), true) => "full",
             (Some(_), false) => "running",

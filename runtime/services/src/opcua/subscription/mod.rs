@@ -20,14 +20,11 @@ use super::code::{Reader, Writer};
 use super::events::EventItem;
 use super::status::{self, Status};
 use super::view::check_count;
-use crate::limits::{OPCUA_ITEMS_MAX, OPCUA_KEPT_MAX, OPCUA_SAMPLING_MIN, OPCUA_SUBSCRIPTIONS_MAX};
+use crate::limits::{
+    OPCUA_INTERVAL_MAX, OPCUA_ITEMS_MAX, OPCUA_KEEP_ALIVE_MAX, OPCUA_KEPT_MAX, OPCUA_LIFETIME_MAX, OPCUA_SAMPLING_MIN,
+    OPCUA_SUBSCRIPTIONS_MAX,
+};
 use item::Item;
-
-/// Longest time between two looks or two publications.
-const INTERVAL_MAX: Duration = Duration::from_secs(3600);
-/// Publications without news until one is sent anyway, and without a request until the subscription ends.
-const KEEP_ALIVE_MAX: u32 = 1000;
-const LIFETIME_MAX: u32 = 3000;
 
 struct Subscription {
     interval: Duration,
@@ -69,7 +66,7 @@ pub struct Subscriptions {
 }
 
 fn interval(ms: f64) -> Duration {
-    let seconds = if ms.is_finite() { (ms / 1000.0).clamp(0.0, INTERVAL_MAX.as_secs_f64()) } else { 0.0 };
+    let seconds = if ms.is_finite() { (ms / 1000.0).clamp(0.0, OPCUA_INTERVAL_MAX.as_secs_f64()) } else { 0.0 };
     Duration::from_secs_f64(seconds).max(OPCUA_SAMPLING_MIN)
 }
 
@@ -188,8 +185,8 @@ impl Subscriptions {
 fn times(reader: &mut Reader) -> Option<(Duration, u32, u32)> {
     let interval = interval(reader.f64()?);
     let (lifetime, keep_alive) = (reader.u32()?, reader.u32()?);
-    let keep_alive = keep_alive.clamp(1, KEEP_ALIVE_MAX);
-    Some((interval, lifetime.clamp(3 * keep_alive, LIFETIME_MAX.max(3 * keep_alive)), keep_alive))
+    let keep_alive = keep_alive.clamp(1, OPCUA_KEEP_ALIVE_MAX);
+    Some((interval, lifetime.clamp(3 * keep_alive, OPCUA_LIFETIME_MAX.max(3 * keep_alive)), keep_alive))
 }
 
 fn put_times(out: &mut Writer, (interval, lifetime, keep_alive): (Duration, u32, u32)) {

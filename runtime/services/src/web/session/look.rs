@@ -12,8 +12,8 @@ use plcc_runtime::watch::format::Format;
 use plcc_runtime::{diagnostics, force};
 
 use super::watched::{Watched, find};
+use crate::limits::SAMPLES_SENT_MAX;
 use crate::web::messages::{Entry, State};
-use crate::web::trace::PART_MAX;
 
 /// What the CPU said at one cycle control point.
 pub(super) struct Seen {
@@ -68,7 +68,7 @@ pub(super) fn look(
         // The CPU was restarted, or its program changed.
         let _ = watch_program(cpu, client, target);
     }
-    let recording = asked.and_then(|told| cpu.recorded(client, told, PART_MAX));
+    let recording = asked.and_then(|told| cpu.recorded(client, told, SAMPLES_SENT_MAX));
     let renewed = (cpu.generation() != watched.generation).then(|| {
         let (watched, wrong) = find(&cpu.image, watched.wanted.clone()).of(cpu, &cpu.image);
         Renewed { watched, wrong, image: cpu.image.clone() }
