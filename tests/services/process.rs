@@ -44,14 +44,15 @@ impl Program {
     /// The executable, built once.
     pub fn path(self) -> Result<&'static Path, Failed> {
         static PROGRAMS: [OnceLock<Result<PathBuf, String>>; 2] = [const { OnceLock::new() }; 2];
-        let name = match self {
-            Program::Line => "line",
-            Program::Plant => "plant",
+        // The page of the line draws its networks; with the status of statements it has STL as text.
+        let (name, flags): (_, &[&str]) = match self {
+            Program::Line => ("line", &["build", "--quiet", "--no-monitor"]),
+            Program::Plant => ("plant", &["build", "--quiet"]),
         };
         let build = || {
             let out = crate::clients().join(name);
             let _ = std::fs::create_dir_all(crate::clients());
-            plcc(&["build", "--quiet"], &[&here().join(name)], &out).map(|()| out).map_err(|error| format!("{error:?}"))
+            plcc(flags, &[&here().join(name)], &out).map(|()| out).map_err(|error| format!("{error:?}"))
         };
         PROGRAMS[self as usize].get_or_init(build).as_deref().map_err(|error| error.as_str().into())
     }
