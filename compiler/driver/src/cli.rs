@@ -208,7 +208,7 @@ pub struct BuildArgs {
     #[arg(long)]
     pub services: bool,
     /// Give the executable its code a second time, with probes, so that the page can show what statements see while the program runs.
-    /// It has services then [default: if it has services].
+    /// It gets services, too [default: if it has services anyway].
     #[arg(long, conflicts_with = "no_monitor")]
     pub monitor: bool,
     /// Leave the code with probes out.
