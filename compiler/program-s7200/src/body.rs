@@ -22,13 +22,19 @@ impl Binder<'_> {
         let mut statements = Vec::new();
         for (position, network) in ast.networks.iter().enumerate() {
             stack.begin_network();
+            let messages = self.report.diagnostics.len();
+            let mut is_bound = true;
             let network_number = u16::try_from(position + 1).unwrap_or(u16::MAX);
             for statement in &network.statements {
                 let span = statement.span;
                 let bound = match &statement.kind {
                     Ast::Instruction { insn, mnemonic_span, operands } => {
                         let is_here = self.check_place(*insn, kind, structure.in_step(), *mnemonic_span);
-                        let bound = self.instruction(index, &locals, *insn, *mnemonic_span, operands);
+                        let bound = match is_here {
+                            true => self.instruction(index, &locals, *insn, *mnemonic_span, operands),
+                            false => None,
+                        };
+                        is_bound &= bound.is_some();
                         let known = match &bound {
                             Some(StatementKind::Instruction { operands, .. }) => Some(operands.as_slice()),
                             _ => None,
@@ -48,6 +54,7 @@ impl Binder<'_> {
                     Ast::Pragma { pragma, assert } => self.statement_pragma(&locals, pragma, assert.as_deref()),
                     Ast::Error => {
                         stack.unknown();
+                        is_bound = false;
                         None
                     }
                 };
@@ -56,10 +63,23 @@ impl Binder<'_> {
             let next = ast.networks[position + 1..].iter().find_map(|network| network.statements.first());
             let end = next.map_or(u32::MAX, |statement| statement.span.start);
             stack.end_network(end, self.input.sources, &mut self.report);
+            if !is_bound {
+                self.drop_doubts(messages, network.span.start);
+            }
         }
         stack.finish(&mut self.report);
         structure.finish(&mut self.report);
         Some(S7200Body { parameters: locals.formals(), statements })
+    }
+
+    /// Drops doubts among message `first` and later ones about a network that begins at byte `begin` and has an error: the error may be
+    /// why a contact has no use, or a coil no contact.
+    fn drop_doubts(&mut self, first: usize, begin: u32) {
+        let found = self.report.diagnostics.split_off(first);
+        let is_doubt = |message: &Diagnostic| {
+            matches!(message.code, Code::NoContact | Code::LeftOverLevel) && message.primary.span.start >= begin
+        };
+        self.report.diagnostics.extend(found.into_iter().filter(|message| !is_doubt(message)));
     }
 
     /// The mnemonic as the sources spell it.
@@ -134,6 +154,8 @@ impl Binder<'_> {
         if operands.len() < classes.len() && !optional && !unread {
             let what = classes.get(operands.len()).map_or("one", |class| describe(*class));
             self.missing_operand(what, mnemonic, &self.form(insn));
+            // Which one is missing is not certain, and so neither what the others should be.
+            return None;
         }
         if operands.len() == classes.len() + 1
             && let Some(at) = decimal_comma(classes, operands)
