@@ -100,7 +100,7 @@ impl Binder<'_> {
     }
 
     /// The text of the source.
-    fn written(&self, span: Span) -> String {
+    pub fn written(&self, span: Span) -> String {
         let mut files = self.input.sources.files();
         let file = files.nth(span.file.0 as usize).map(|(_, file)| file.text.as_str());
         file.and_then(|text| text.get(span.range())).unwrap_or_default().to_string()
@@ -195,6 +195,10 @@ impl Binder<'_> {
                     .label("the first surplus operand")
                     .help(help),
             );
+        }
+        if let Some(message) = self.other_order(insn, operands).or_else(|| self.other_instruction(insn, operands)) {
+            self.push(message);
+            return None;
         }
         let bound: Vec<Option<Operand>> = classes
             .iter()

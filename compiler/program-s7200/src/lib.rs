@@ -3,8 +3,9 @@
 //! 1. [`names`] finds the blocks, numbers those that have only a name, and reads the symbol tables.
 //! 2. [`interface`] places parameters and variables in local memory.
 //! 3. [`body`] binds statements: [`settle`] determines what an operand is, [`operand`] whether the instruction accepts it, [`constant`]
-//!    its bits; [`call`] binds calls, [`pragma`] assertions. [`stack`] counts levels of the logic stack, [`structure`] pairs loops, steps
-//!    and jumps, [`rules`] checks where instructions are allowed and which constants they accept.
+//!    its bits; [`meant`] says what operands that do not fit are meant for; [`call`] binds calls, [`pragma`] assertions. [`stack`] counts
+//!    levels of the logic stack, [`structure`] pairs loops, steps and jumps, [`rules`] checks where instructions are allowed and which
+//!    constants they accept.
 //! 4. [`whole`] checks the whole program: timers, counters, steps, depth of calls. [`data`] fills V memory.
 //! 5. [`review`] looks at bound blocks for statements that are useless.
 //!
@@ -17,6 +18,7 @@ mod call;
 mod constant;
 mod data;
 mod interface;
+mod meant;
 mod names;
 mod numbers;
 mod operand;

@@ -83,8 +83,25 @@ pub fn width(class: OperandClass) -> Option<Width> {
     shape(class).map(|shape| shape.width)
 }
 
+/// Whether an instruction with an operand of this class writes to it or drives it, and the address has the area and the width.
+pub fn is_target(class: OperandClass, direct: Direct) -> bool {
+    match class {
+        OperandClass::Timer => direct.area == Area::T,
+        OperandClass::Counter => direct.area == Area::C,
+        class => shape(class).is_some_and(|shape| {
+            let is_in_area = if direct.area == Area::Ac { shape.ac } else { shape.areas.contains(&direct.area) };
+            shape.write && is_in_area && direct.width.is_none_or(|width| width == shape.width)
+        }),
+    }
+}
+
+/// Whether an operand of this class can be a constant beside addresses.
+pub fn takes_constants(class: OperandClass) -> bool {
+    shape(class).is_some_and(|shape| shape.constant.is_some())
+}
+
 /// The operand that a class needs, in words.
-fn wanted(class: OperandClass) -> &'static str {
+pub fn wanted(class: OperandClass) -> &'static str {
     use OperandClass as C;
     match class {
         C::Bit => "a bit: I0.0, Q0.0, V0.0, M0.0, SM0.0, S0.0, L0.0, T37 or C1",
@@ -120,6 +137,22 @@ fn wanted(class: OperandClass) -> &'static str {
         C::Subroutine => "a subroutine",
         C::Interrupt => "an interrupt routine",
     }
+}
+
+fn width_name(width: Width) -> &'static str {
+    match width {
+        Width::Bit => "a bit",
+        Width::Byte => "a byte",
+        Width::Word => "a word",
+        Width::Dword | Width::Lword => "a double word",
+    }
+}
+
+/// The address has another width than the class.
+pub fn width_message(class: OperandClass, direct: Direct, width: Width, span: Span) -> Diagnostic {
+    let own = direct.width.map_or("of another width", width_name);
+    let title = format!("{} is {own}, the instruction needs {} (0090)", address::text(direct), width_name(width));
+    Diagnostic::new(Code::OperandKind, span, title).label(format!("expected: {}", wanted(class)))
 }
 
 /// A bound place in memory; `None`: it is not in memory.
@@ -178,6 +211,11 @@ impl Binder<'_> {
             Settled::Constant(Constant::Text(bytes)) if text => self.text(bytes, span),
             Settled::Constant(constant) => match shape.constant {
                 Some(target) => self.constant(&constant, target, span).map(Operand::Const),
+                None if class == OperandClass::SBit => {
+                    let number = super::constant::whole(&constant).filter(|number| (0..256).contains(number));
+                    let bit = number.map_or("S0.1".to_string(), |number| format!("S{}.{}", number / 8, number % 8));
+                    self.misfit(class, &format!("write `{bit}`"), span)
+                }
                 None if shape.write => {
                     self.push(
                         Diagnostic::new(Code::Protected, span, "a constant cannot be written (0090)")
@@ -249,20 +287,10 @@ impl Binder<'_> {
     }
 
     fn other_width(&mut self, class: OperandClass, direct: Direct, width: Width, span: Span) -> Option<Operand> {
-        let name = |width| match width {
-            Width::Bit => "a bit",
-            Width::Byte => "a byte",
-            Width::Word => "a word",
-            Width::Dword | Width::Lword => "a double word",
-        };
-        let own = direct.width.map_or("of another width", name);
+        let own = direct.width.map_or("of another width", width_name);
         let same = address::text(Direct { width: Some(width), bit: 0, ..direct });
-        let title = format!("{} is {own}, the instruction needs {} (0090)", address::text(direct), name(width));
-        self.push(
-            Diagnostic::new(Code::OperandKind, span, title)
-                .label(format!("expected: {}", wanted(class)))
-                .help(format!("use the instruction for {own}, or an operand such as {same}")),
-        );
+        let message = width_message(class, direct, width, span);
+        self.push(message.help(format!("use the instruction for {own}, or an operand such as {same}")));
         None
     }
 

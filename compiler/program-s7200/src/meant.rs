@@ -1,0 +1,109 @@
+//! What is meant by an instruction whose operands fit together, but not to it: operands in the other order, operands of another width.
+
+use plcc_diag::{Code, Diagnostic};
+use plcc_syntax::s7200::ast::{self, OperandKind};
+use plcc_syntax::s7200::{Compare, CompareKind, Insn, OperandClass};
+use plcc_syntax::stl::Mnemonics;
+
+use super::Binder;
+use super::operand::{is_target, takes_constants, wanted, width, width_message};
+
+impl Binder<'_> {
+    /// `S 1, Q0.0`, `MOVW VW0, 5`, `TON 10, T37`: a constant in the place of an address, which is the other operand.
+    pub fn other_order(&self, insn: Insn, operands: &[ast::Operand]) -> Option<Diagnostic> {
+        let (&[first_class, second_class], [first, second]) = (insn.operands(), operands) else { return None };
+        let orders = [(first, first_class, second, second_class), (second, second_class, first, first_class)];
+        let (constant, class, ..) = orders.into_iter().find(|(constant, class, place, other)| {
+            matches!(constant.kind, OperandKind::Constant(_))
+                && matches!(&place.kind, OperandKind::Direct(direct) if is_target(*class, *direct))
+                && takes_constants(*other)
+        })?;
+        let (title, label) = match class {
+            OperandClass::Timer | OperandClass::Counter => {
+                ("this operand does not fit the instruction (0090)", format!("expected: {}", wanted(class)))
+            }
+            _ => ("a constant cannot be written (0090)", "the result of the instruction goes here".to_string()),
+        };
+        let code = if is_number(class) { Code::OperandKind } else { Code::Protected };
+        let name = self.mnemonic(insn);
+        let (first, second) = (self.written(first.span), self.written(second.span));
+        Some(
+            Diagnostic::new(code, constant.span, title)
+                .label(label)
+                .help(format!("the operands are in the other order: write `{name} {second}, {first}`")),
+        )
+    }
+
+    /// `MOVW VB0, VB1`, `DTI VW0, VD4`, `DIV VW0, VW2`: operands with the widths of another instruction.
+    pub fn other_instruction(&self, insn: Insn, operands: &[ast::Operand]) -> Option<Diagnostic> {
+        if operands.len() != insn.operands().len() {
+            return None;
+        }
+        let misfit = operands.iter().zip(insn.operands()).find_map(|(operand, class)| match &operand.kind {
+            OperandKind::Direct(direct) if !has_width(direct, *class) => Some((operand.span, *direct, *class)),
+            _ => None,
+        });
+        let (span, direct, class) = misfit?;
+        let list = match operands {
+            [first, .., last] => self.written(first.span.to(last.span)),
+            _ => self.written(span),
+        };
+        let others = relatives(insn).into_iter().filter(|other| fits(*other, operands));
+        let mut statements: Vec<String> = others.map(|other| format!("`{} {list}`", self.mnemonic(other))).collect();
+        if let (Insn::MovD, [first, ast::Operand { kind: OperandKind::Direct(target), .. }]) = (insn, operands)
+            && first.span == span
+            && is_target(OperandClass::DwordOut, *target)
+        {
+            statements.push(format!("`{} &{list}`, which moves its address", self.mnemonic(insn)));
+        }
+        if statements.is_empty() {
+            return None;
+        }
+        Some(width_message(class, direct, width(class)?, span).help(format!("write {}", statements.join(" or "))))
+    }
+}
+
+fn is_number(class: OperandClass) -> bool {
+    matches!(class, OperandClass::Timer | OperandClass::Counter)
+}
+
+/// Whether the address may have the width of the class. That of timers, counters and accumulators is the one that an instruction needs.
+fn has_width(direct: &ast::Direct, class: OperandClass) -> bool {
+    width(class).is_none_or(|width| direct.width.is_none_or(|own| own == width))
+}
+
+/// Whether the operands are those of `insn`, as far as their forms show.
+fn fits(insn: Insn, operands: &[ast::Operand]) -> bool {
+    let classes = insn.operands();
+    classes.len() == operands.len()
+        && operands.iter().zip(classes).all(|(operand, class)| match &operand.kind {
+            OperandKind::Direct(direct) => width(*class).is_some() && has_width(direct, *class),
+            OperandKind::Constant(_) => takes_constants(*class),
+            _ => false,
+        })
+}
+
+/// Instructions that do the same with operands of other widths, and conversions in the other direction.
+fn relatives(insn: Insn) -> Vec<Insn> {
+    const WIDTHS: [char; 5] = ['B', 'W', 'D', 'I', 'R'];
+    match insn {
+        Insn::Compare(own) => {
+            let kinds = CompareKind::ALL.into_iter().filter(|kind| *kind != own.kind && *kind != CompareKind::Text);
+            return kinds.map(|kind| Insn::Compare(Compare { kind, ..own })).collect();
+        }
+        Insn::Mul => return vec![Insn::MulI, Insn::MulD],
+        Insn::Div => return vec![Insn::DivI, Insn::DivD],
+        _ => {}
+    }
+    let name = insn.mnemonic(Mnemonics::En);
+    let Some(stem) = name.strip_suffix(WIDTHS).filter(|stem| !stem.is_empty()) else { return Vec::new() };
+    let reversed = match name.as_bytes() {
+        [b'B' | b'I' | b'D', b'T', b'B' | b'I' | b'D'] => name.chars().rev().collect(),
+        _ => String::new(),
+    };
+    let is_relative = |other: &Insn| {
+        let other = other.mnemonic(Mnemonics::En);
+        other != name && (other == reversed || other.strip_suffix(WIDTHS) == Some(stem))
+    };
+    Insn::ROWS.iter().copied().filter(is_relative).collect()
+}
