@@ -58,6 +58,7 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
         [code @ .., last] if last.kind == RawKind::Comment => code,
         _ => line,
     };
+    let code = raw::block_comment(text, code).map_or(code, |at| &code[..at]);
     let Some(first) = code.first() else { return Sign::None };
     let word = first.text(text).to_ascii_uppercase();
     let next = code.get(1);
@@ -102,11 +103,13 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
         return Sign::None;
     }
     if code.iter().any(|token| token.kind == RawKind::Assign || matches!(token.text(text), "(" | ")" | "{" | "[")) {
-        return Sign::Foreign;
+        // A slip in a statement of the S7-200 still has its addresses.
+        return if has_only_own(text, code) { Sign::None } else { Sign::Foreign };
     }
     if next.is_some_and(|next| next.kind == RawKind::Colon) {
-        // A label, or a declaration.
-        return Sign::None;
+        // A declaration, or a label, which the S7-200 does not have before statements.
+        let head = code.get(2..).and_then(|rest| mnemonics::head(text, rest));
+        return if head.is_some_and(|head| stl::is_mnemonic(&head.mnemonic)) { Sign::Foreign } else { Sign::None };
     }
     let value = |token: &RawToken| {
         let kinds = [
@@ -126,18 +129,26 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
     let Some(head) = mnemonics::head(text, code) else { return Sign::None };
     let own = mnemonics::any(&head.mnemonic, Mnemonics::En).is_some();
     let foreign = stl::is_mnemonic(&head.mnemonic);
+    let operands = code.get(head.tokens..).unwrap_or_default();
     match (own, foreign) {
-        (true, false) => Sign::Own(1),
-        (false, true) => Sign::Foreign,
-        (true, true) => {
-            let operands = code.get(head.tokens..).unwrap_or_default();
-            let only = operands
-                .iter()
-                .any(|token| token.kind == RawKind::Word && is_only_own(&token.text(text).to_ascii_uppercase()));
-            if only { Sign::Own(1) } else { Sign::None }
+        // Labels of the S7-200 are numbers.
+        (true, false)
+            if head.mnemonic == "JMP" && operands.first().is_some_and(|label| label.kind == RawKind::Word) =>
+        {
+            Sign::None
         }
-        (false, false) => Sign::None,
+        (true, false) => Sign::Own(1),
+        // `INC VW0`: an instruction of one family, an address of the other.
+        (false, true) if has_only_own(text, operands) => Sign::None,
+        (false, true) => Sign::Foreign,
+        (true, true) if has_only_own(text, operands) => Sign::Own(1),
+        (true, true) | (false, false) => Sign::None,
     }
+}
+
+/// Whether one of the words is an address that S7-300/400 do not have.
+fn has_only_own(text: &str, tokens: &[RawToken]) -> bool {
+    tokens.iter().any(|token| token.kind == RawKind::Word && is_only_own(&token.text(text).to_ascii_uppercase()))
 }
 
 /// An address of the V area, with or without size.

@@ -109,3 +109,10 @@ pub fn part(text: &str, offset: usize) -> Vec<RawToken> {
     front::shift(&mut tokens, &mut [], offset as u32);
     tokens
 }
+
+/// Index of the token that opens a comment of other languages, `(* … *)`.
+pub fn block_comment(text: &str, line: &[RawToken]) -> Option<usize> {
+    line.windows(2).position(|pair| {
+        pair[0].text(text) == "(" && pair[1].kind == RawKind::Star && pair[0].range().end == pair[1].range().start
+    })
+}

@@ -209,6 +209,10 @@ fn the_family_of_a_source_is_found() {
         "A I0.0\n= V5.0\n",
         "DATA_BLOCK DB1\nVB0 5\nEND_DATA_BLOCK\n",
         "LD E0.0\nU E0.1\n= A0.0\n",
+        // With a slip.
+        "LD I0.0\nINC VW0\n",
+        "LD I0.0 (* start *)\n= Q0.0\n",
+        "LD I0.0\nVW0 := 5\n",
     ] {
         assert!(super::is_s7200(text), "{text:?}");
     }
@@ -222,6 +226,7 @@ fn the_family_of_a_source_is_found() {
         "FOR i := 0 TO 5 DO\n x := 1;\nEND_FOR;\n",
         "L 5\nT MW 2\nSD T 1\nR T 1\n",
         "x := 5;\nEND_IF;\n",
+        "A I0.0\nJMP m1\nm1: NOP 0\n",
     ] {
         assert!(!super::is_s7200(text), "{text:?}");
     }

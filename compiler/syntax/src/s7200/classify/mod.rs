@@ -8,7 +8,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::ast::{BlockKind, Section};
 use super::mnemonics::{self, Detected};
-use super::raw::{RawKind, RawToken};
+use super::raw::{RawKind, RawToken, block_comment};
 use super::token::Tok;
 use super::{pragma, suggest};
 use crate::Elementary;
@@ -166,12 +166,7 @@ impl<'a> Classifier<'a, '_> {
 
     /// `LD I0.0 (* start *)`: what is before the comment, which is reported.
     fn without_block_comment<'l>(&mut self, code: &'l [RawToken]) -> &'l [RawToken] {
-        let opens = |pair: &[RawToken]| {
-            pair[0].text(self.text) == "("
-                && pair[1].kind == RawKind::Star
-                && pair[0].range().end == pair[1].range().start
-        };
-        let (Some(at), Some(last)) = (code.windows(2).position(opens), code.last()) else { return code };
+        let (Some(at), Some(last)) = (block_comment(self.text, code), code.last()) else { return code };
         let range = code[at].range().start..last.range().end;
         let text = self.slice(range.clone()).trim_start_matches("(*").trim_end_matches("*)").trim();
         self.report(
