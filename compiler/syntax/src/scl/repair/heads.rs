@@ -25,7 +25,7 @@ impl Repair<'_> {
         let for_head = keyword == Keyword::For;
         let statement = if keyword == Keyword::ElseIf { Keyword::Elsif } else { keyword };
         let begins = for_head && !assigned && self.last.is_some_and(|last| last.keyword == Some(Keyword::For));
-        if begins && token.kind != RawKind::LeftParen && self.bare_for_of_c() {
+        if begins && (token.kind != RawKind::LeftParen && self.bare_for_of_c() || self.for_each(token)) {
             return true;
         }
         match token.kind {
@@ -138,7 +138,7 @@ impl Repair<'_> {
     }
 
     /// Index of the token after the keyword of the head.
-    fn statement_head(&self) -> usize {
+    pub(super) fn statement_head(&self) -> usize {
         let is_head = |token: &RawToken| {
             token.keyword.is_some_and(|word| {
                 matches!(
@@ -190,25 +190,6 @@ impl Repair<'_> {
         let left = if first < at { self.words(first, at - 1) } else { "…" };
         let right = if end > after { self.words(after, end - 1) } else { "…" };
         (left.to_owned(), right.trim_end_matches(')').to_owned())
-    }
-
-    /// `FOR i IN 1..10 DO`
-    fn for_in(&mut self) -> bool {
-        let at = self.at;
-        let variable = self.words(self.statement_head(), at - 1).to_owned();
-        let points = (at..self.tokens.len().min(at + 12)).find(|index| self.kind(*index) == Some(RawKind::DotDot));
-        let Some(points) = points.filter(|points| *points > at + 1) else { return false };
-        let first = self.words(at + 1, points - 1).to_owned();
-        let last = self.token(points + 1).map_or("10", |token| self.slice(token)).to_owned();
-        let help = format!("write `FOR {variable} := {first} TO {last} DO`");
-        self.report(at, points + 2, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
-        self.replace(at, at + 1, RawKind::Assign, None);
-        while self.at < points {
-            let token = self.tokens[self.at];
-            self.pass(token);
-        }
-        self.replace(points, points + 1, RawKind::Word, Some(Keyword::To));
-        true
     }
 
     /// `{` for THEN or DO, or after ELSE.
