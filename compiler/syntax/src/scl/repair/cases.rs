@@ -1,4 +1,5 @@
-//! CASE as other languages write it: `SELECT CASE x … END SELECT`, and values that end with another sign than `:`, as in `1 := x := 2;`.
+//! CASE as other languages write it: `SELECT CASE x … END SELECT`, `WHEN 1 =>`, and values that end with another sign or word than `:`, as in
+//! `1 := x := 2;`.
 
 use super::words::alias;
 use super::{Repair, ends_operand};
@@ -18,6 +19,64 @@ impl Repair<'_> {
         self.report(at, at + 1, "a value of CASE ends with `:`".to_owned(), "read as `:`", help);
         self.replace(at, at + 1, RawKind::Colon, None);
         true
+    }
+
+    /// `1 THEN` and `2, 3 DO`, whose word is at `end`.
+    pub(super) fn value_with_word(&mut self, end: usize) -> bool {
+        let inside = self.open.last().is_some_and(|open| open.keyword == Keyword::Case);
+        let is_word = matches!(self.keyword(end), Some(Keyword::Then | Keyword::Do));
+        let values = (self.at..end).all(|index| self.kind(index).is_some_and(is_part_of_values));
+        if !inside || !is_word || !values || !ends_operand(self.tokens[end - 1]) {
+            return false;
+        }
+        self.pass_up_to(end);
+        self.value_with_sign()
+    }
+
+    /// `case 1:`, `WHEN 1 THEN`, `WHEN OTHERS =>`
+    pub(super) fn value_after_word(&mut self, token: RawToken) -> bool {
+        const LOOK_MAX: usize = 8;
+        let at = self.at;
+        let inside = self.open.last().is_some_and(|open| open.keyword == Keyword::Case) && self.head.is_none();
+        let word = self.slice(token);
+        let is_when = token.keyword.is_none() && self.starts(token) && word.eq_ignore_ascii_case("WHEN");
+        if !inside || token.keyword != Some(Keyword::Case) && (!is_when || self.is_declared(word)) {
+            return false;
+        }
+        let is_word = |index| matches!(self.keyword(index), Some(Keyword::Of | Keyword::Then | Keyword::Do));
+        let is_sign = |kind| matches!(kind, RawKind::Colon | RawKind::Semicolon | RawKind::Assign | RawKind::Arrow);
+        let ends = (at + 1..self.tokens.len().min(at + LOOK_MAX))
+            .find(|index| is_word(*index) || self.kind(*index).is_some_and(is_sign));
+        let ends_value = |end: usize| match (self.kind(end), self.keyword(end)) {
+            (Some(RawKind::Colon), _) => true,
+            (Some(RawKind::Arrow), _) | (_, Some(Keyword::Then | Keyword::Do)) => is_when,
+            _ => false,
+        };
+        let Some(end) = ends.filter(|end| *end > at + 1 && ends_value(*end)) else { return false };
+        let others = self.token(at + 1).is_some_and(|next| alias(self.slice(next)) == Some(Keyword::Else));
+        if is_when && others && end == at + 2 {
+            self.misspelt(at, end, Keyword::Else);
+            self.replace(at, end + 1, RawKind::Word, Some(Keyword::Else));
+            return true;
+        }
+        let value = self.words(at + 1, end - 1);
+        let title = "a value of CASE needs no word before it".to_owned();
+        self.report(at, at + 1, title, "a form of other languages", format!("write `{value}:`"));
+        self.drop_tokens(at, at + 1);
+        self.statement = self.at;
+        if self.kind(end) != Some(RawKind::Colon) {
+            self.pass_up_to(end);
+            self.replace(end, end + 1, RawKind::Colon, None);
+        }
+        true
+    }
+
+    /// Goes past the tokens before `end`, which stay as they are.
+    fn pass_up_to(&mut self, end: usize) {
+        while self.at < end {
+            let token = self.tokens[self.at];
+            self.pass(token);
+        }
     }
 
     /// `SWITCH x … END_SWITCH`, `SELECT CASE x … END SELECT`

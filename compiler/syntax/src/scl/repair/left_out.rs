@@ -24,6 +24,9 @@ impl Repair<'_> {
             return false;
         }
         let Some(end) = self.end_of_head(at).filter(|end| *end > at) else { return false };
+        if self.value_with_word(end) {
+            return true;
+        }
         let (keyword, what) = match self.keyword(end) {
             Some(Keyword::Then) => (Keyword::If, "condition"),
             Some(Keyword::Of) => (Keyword::Case, "value"),

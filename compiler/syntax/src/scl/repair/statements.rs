@@ -32,7 +32,7 @@ impl Repair<'_> {
             && (self.declaration_inside(token)
                 || self.tested_at_end(token)
                 || self.exceptions(token)
-                || self.value_with_case(token)
+                || self.value_after_word(token)
                 || self.operator_as_function(token)
                 || self.missing_comma(token))
     }
@@ -121,29 +121,6 @@ impl Repair<'_> {
         self.report(at, at + 1, "SCL has no TRY".to_owned(), "a form of other languages", help);
         self.statement = at;
         self.give_up(end + 1);
-        true
-    }
-
-    /// `case 1:` inside of CASE.
-    fn value_with_case(&mut self, token: RawToken) -> bool {
-        const LOOK_MAX: usize = 8;
-        let at = self.at;
-        let inside = self.open.last().is_some_and(|open| open.keyword == Keyword::Case) && self.head.is_none();
-        if token.keyword != Some(Keyword::Case) || !inside {
-            return false;
-        }
-        let ends = (at + 1..self.tokens.len().min(at + LOOK_MAX)).find(|index| {
-            matches!(self.kind(*index), Some(RawKind::Colon | RawKind::Semicolon | RawKind::Assign))
-                || self.keyword(*index) == Some(Keyword::Of)
-        });
-        let Some(colon) = ends.filter(|end| self.kind(*end) == Some(RawKind::Colon) && *end > at + 1) else {
-            return false;
-        };
-        let value = self.words(at + 1, colon).to_owned();
-        let title = "a value of CASE needs no word before it".to_owned();
-        self.report(at, at + 1, title, "a form of other languages", format!("write `{value}`"));
-        self.drop_tokens(at, at + 1);
-        self.statement = self.at;
         true
     }
 
