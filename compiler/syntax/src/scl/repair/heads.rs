@@ -30,6 +30,7 @@ impl Repair<'_> {
         }
         match token.kind {
             RawKind::Word if outside => match token.keyword {
+                Some(Keyword::Do) if wanted == Keyword::EndRepeat => self.do_before_end_until(),
                 Some(found @ (Keyword::Then | Keyword::Do | Keyword::Of))
                     if found != wanted && wanted != Keyword::EndRepeat =>
                 {

@@ -1,4 +1,4 @@
-//! Heads of loops of other languages: `for (i = 0; i < 10; i++)`, `FOR i FROM 0 TO 9 DO`, `FOR x IN list DO`.
+//! Heads of loops of other languages: `for (i = 0; i < 10; i++)`, `FOR i FROM 0 TO 9 DO`, `FOR x IN list DO`. And `DO END_UNTIL`.
 
 use std::ops::Range;
 
@@ -151,6 +151,21 @@ impl Repair<'_> {
         let help = self.counted_of_c(at, first, second, end);
         self.report(at, end, "FOR counts with `:=` and TO".to_owned(), "a form of other languages", help);
         self.replace(at, end, RawKind::Reported, None);
+        true
+    }
+
+    /// `DO END_UNTIL` after the condition of UNTIL.
+    pub(super) fn do_before_end_until(&mut self) -> bool {
+        let at = self.at;
+        let is_end = self.token(at + 1).is_some_and(|next| self.slice(next).eq_ignore_ascii_case("END_UNTIL"));
+        if !is_end {
+            return false;
+        }
+        let until = self.tokens[..at].iter().rposition(|token| token.keyword == Some(Keyword::Until));
+        let head = until.map_or("UNTIL …", |until| self.words(until, at - 1));
+        let title = "END_REPEAT follows the condition of UNTIL".to_owned();
+        self.report(at + 1, at + 2, title, "read as `END_REPEAT`", format!("write `{head} END_REPEAT;`"));
+        self.replace(at, at + 2, RawKind::Word, Some(Keyword::EndRepeat));
         true
     }
 

@@ -8,7 +8,7 @@ use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
 /// Words of other languages for a statement or an operator.
-const ALIASES: [(&str, Keyword); 23] = [
+const ALIASES: [(&str, Keyword); 24] = [
     ("ELIF", Keyword::Elsif),
     ("ELSE_IF", Keyword::Elsif),
     ("WENN", Keyword::If),
@@ -25,6 +25,7 @@ const ALIASES: [(&str, Keyword); 23] = [
     ("WEND", Keyword::EndWhile),
     ("ESAC", Keyword::EndCase),
     ("NEXT", Keyword::EndFor),
+    ("END_UNTIL", Keyword::EndRepeat),
     ("UND", Keyword::And),
     ("ODER", Keyword::Or),
     ("NICHT", Keyword::Not),
