@@ -3,6 +3,7 @@
 //! [`parse`] reads a constant as STEP 7 writes it; the text comes from a lexer, without sign unless the constant has one inside.
 //! Source: Programming with STEP 7, data types.
 
+pub(crate) mod meant;
 mod number;
 mod pointer;
 mod text;
@@ -12,7 +13,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 pub use pointer::ANY_TYPES;
 pub use text::{parse_text, windows_1252};
-pub(crate) use time::{form, nanoseconds};
+pub(crate) use time::nanoseconds;
 
 /// A constant with its type. Values are already range-checked.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,17 +4,14 @@ use plcc_literal::calendar::{Clock, Date};
 use plcc_literal::duration::{Fraction, Smallest};
 
 use crate::elementary::Elementary;
-use crate::literal::{LiteralError, form, nanoseconds};
+use crate::literal::{LiteralError, meant, nanoseconds};
 use crate::scl::ast::Literal;
 
-const TIME_FORM: &str = "write units in the order D, H, M, S, MS, each once: `T#1D_2H_3M_4S_5MS`";
-const LTIME_FORM: &str = "write units in the order D, H, M, S, MS, US, NS, each once: `LT#1S_2MS_3US_4NS`";
 const NS_PER_DAY: u64 = 86_400_000_000_000;
 
 /// `T#-1S_100MS`: milliseconds; smaller parts are cut off.
 pub fn duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let ms =
-        nanoseconds(text, value, Smallest::Millisecond, Fraction::Last, &form(text, value, TIME_FORM))? / 1_000_000;
+    let ms = nanoseconds(text, value, Smallest::Millisecond, Fraction::Last, meant::TIME_UNITS)? / 1_000_000;
     let ms = i32::try_from(ms).map_err(|_| {
         LiteralError::range(text, "not a TIME", "a TIME is from T#-24D_20H_31M_23S_648MS to T#24D_20H_31M_23S_647MS")
     })?;
@@ -28,7 +25,7 @@ pub fn long_duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
         value,
         Smallest::Nanosecond,
         Fraction::Last,
-        &form(text, value, LTIME_FORM),
+        meant::LTIME_UNITS,
     )?)
     .map_err(|_| {
         LiteralError::range(
@@ -42,13 +39,13 @@ pub fn long_duration(text: &str, value: &str) -> Result<Literal, LiteralError> {
 
 /// `LTOD#12:00:00.123456789`: nanoseconds since midnight.
 pub fn long_time_of_day(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let clock = clock(text, value, "write hours, minutes and seconds: `LTOD#5:45:00.5`")?;
+    let clock = clock(text, value, || meant::clock(text, value))?;
     Ok(Literal::Typed { ty: Elementary::Ltod, bits: clock.nanoseconds() })
 }
 
 /// `LDT#2024-02-03-04:05:06.7`: nanoseconds since 1970-01-01.
 pub fn long_date_and_time(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let (date, clock) = date_and_clock(text, value, "write date and time: `LDT#2000-6-20-5:45:00.5`")?;
+    let (date, clock) = date_and_clock(text, value, || meant::date_and_clock(text, value))?;
     let ns = date
         .days_since(1970)
         .and_then(|days| u64::from(days).checked_mul(NS_PER_DAY)?.checked_add(clock.nanoseconds()));
@@ -60,8 +57,7 @@ pub fn long_date_and_time(text: &str, value: &str) -> Result<Literal, LiteralErr
 
 /// `D#1970-01-01` of IEC 61131-3: the LDT at midnight.
 pub fn date_from_1970(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    const FORM: &str = "write year, month and day: `D#2000-6-20`";
-    let (date, _) = date_and_clock(text, &format!("{value}-0:0:0"), FORM)?;
+    let (date, _) = date_and_clock(text, &format!("{value}-0:0:0"), || meant::date(text, value))?;
     let ns = date.days_since(1970).and_then(|days| u64::from(days).checked_mul(NS_PER_DAY));
     let ns = ns.filter(|ns| i64::try_from(*ns).is_ok());
     let ns = ns.ok_or_else(|| LiteralError::range(text, "not a DATE", "a DATE is from 1970-1-1 to 2262-4-11"))?;
@@ -72,7 +68,7 @@ pub fn date_from_1970(text: &str, value: &str) -> Result<Literal, LiteralError> 
 ///
 /// Source: TIA Portal help, format of DTL.
 pub fn dtl(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let (date, clock) = date_and_clock(text, value, "write date and time: `DTL#2000-6-20-5:45:00.5`")?;
+    let (date, clock) = date_and_clock(text, value, || meant::date_and_clock(text, value))?;
     let weekday = date
         .weekday()
         .filter(|_| date.year <= 2554)
@@ -91,26 +87,23 @@ pub fn dtl(text: &str, value: &str) -> Result<Literal, LiteralError> {
     Ok(Literal::Dtl(bytes))
 }
 
-fn date_and_clock(text: &str, value: &str, form: &str) -> Result<(Date, Clock), LiteralError> {
-    let (date, time) = value.rsplit_once('-').ok_or_else(|| incomplete(text, form))?;
-    let date = Date::parse(date).ok_or_else(|| incomplete(text, form))?;
+/// `help`: how to write it, if it is not complete.
+fn date_and_clock(text: &str, value: &str, help: impl Fn() -> String) -> Result<(Date, Clock), LiteralError> {
+    let (date, time) = value.rsplit_once('-').ok_or_else(|| incomplete(text, help()))?;
+    let date = Date::parse(date).ok_or_else(|| incomplete(text, help()))?;
     if !date.exists() || date.year > 9999 {
-        return Err(LiteralError::range(
-            text,
-            "not a day of the calendar",
-            "the order is year, month, day: `2000-6-20`",
-        ));
+        return Err(LiteralError::range(text, "not a day of the calendar", meant::day(text, date)));
     }
-    Ok((date, clock(text, time, form)?))
+    Ok((date, clock(text, time, help)?))
 }
 
 /// `12:00:00.123456789`, cut off after nanoseconds.
-fn clock(text: &str, value: &str, form: &str) -> Result<Clock, LiteralError> {
-    let clock = Clock::parse(value).ok_or_else(|| incomplete(text, form))?;
+fn clock(text: &str, value: &str, help: impl Fn() -> String) -> Result<Clock, LiteralError> {
+    let clock = Clock::parse(value).ok_or_else(|| incomplete(text, help()))?;
     let bounds = "a time of day is from 0:0:0.0 to 23:59:59.999999999";
     Some(clock).filter(|clock| clock.exists()).ok_or_else(|| LiteralError::range(text, "not a time of day", bounds))
 }
 
-fn incomplete(text: &str, form: &str) -> LiteralError {
-    LiteralError::malformed(text, "not complete or not in order", form)
+fn incomplete(text: &str, help: String) -> LiteralError {
+    LiteralError::malformed(text, "not complete or not in order", help)
 }
