@@ -8,6 +8,7 @@
 //!              labels.rs: GOTO 10                  addresses.rs: MW 10                left_out.rs: #a > 5 THEN
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
 //!              around.rs: NAMESPACE                enumerations.rs: TYPE x : INT (a, b)
+//!              durations.rs: T#1h 30m
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -18,6 +19,7 @@ mod around;
 mod cases;
 mod choices;
 mod declare;
+mod durations;
 mod enumerations;
 mod foreign;
 mod heads;

@@ -315,7 +315,7 @@ impl Repair<'_> {
             _ => {}
         }
         let is_text = token.kind == RawKind::Stray && self.curved_quotes(token);
-        if is_text || self.name_with_digit(token) || self.repair_number(token) {
+        if is_text || self.name_with_digit(token) || self.repair_number(token) || self.parted_duration(token) {
             return;
         }
         self.at += 1;

@@ -1,5 +1,7 @@
 //! Signs and numbers of other languages: `==`, `&&`, `i++`, `0x1F`, `3,5`.
 
+use plcc_literal::duration::{self, Fraction, Smallest};
+
 use super::{Repair, begins_operand, ends_operand};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
@@ -26,7 +28,8 @@ impl Repair<'_> {
             RawKind::Assign => self.value_with_sign(),
             RawKind::Arrow => self.value_with_sign() || self.arrow(),
             RawKind::LeftParen => self.type_in_brackets(),
-            RawKind::Hash => self.split_local(token) || self.comment_with_hash(token),
+            RawKind::Literal => self.parted_duration(token),
+            RawKind::Hash => self.parted_duration(token) || self.split_local(token) || self.comment_with_hash(token),
             RawKind::Caret => self.power(),
             RawKind::Text => self.doubled_quote(token),
             RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
@@ -639,11 +642,19 @@ pub(super) fn foreign_number(number: &str, word: &str) -> Option<(&'static str, 
             };
             ("a time begins with `T#`", format!("T#{number}{unit}"))
         }
+        _ if word.bytes().any(|byte| byte.is_ascii_digit()) && is_duration(&format!("{number}{word}")) => {
+            ("a time begins with `T#`", format!("T#{number}{upper}"))
+        }
         _ if upper == "H" || upper.bytes().all(|byte| byte.is_ascii_hexdigit()) => {
             ("a hexadecimal number begins with `16#`", format!("16#{number}{upper}"))
         }
         _ => return None,
     })
+}
+
+/// `1h30m`
+fn is_duration(text: &str) -> bool {
+    duration::nanoseconds(text, Smallest::Nanosecond, Fraction::Last).is_ok()
 }
 
 #[cfg(test)]
@@ -656,6 +667,7 @@ mod tests {
         assert_eq!(written("0", "x1f").as_deref(), Some("16#1F"));
         assert_eq!(written("0", "b101").as_deref(), Some("2#101"));
         assert_eq!(written("7", "s").as_deref(), Some("T#7S"));
+        assert_eq!(written("1", "h30m").as_deref(), Some("T#1H30M"));
         assert_eq!(written("5", "L").as_deref(), Some("L#5"));
         assert_eq!(written("1", "F").as_deref(), Some("1.0"));
         assert_eq!(written("12", "AB").as_deref(), Some("16#12AB"));

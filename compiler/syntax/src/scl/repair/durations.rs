@@ -1,0 +1,72 @@
+//! Durations that blanks or colons part: `T#1h 30m`, `T# 5s`, `T#1:30:00`.
+
+use plcc_diag::{Code, Diagnostic};
+use plcc_literal::duration::{self, Fraction, Smallest};
+
+use super::Repair;
+use crate::scl::raw::{RawKind, RawToken};
+
+/// What a duration begins with.
+const PREFIXES: [&str; 6] = ["T", "TIME", "LT", "LTIME", "S5T", "S5TIME"];
+
+impl Repair<'_> {
+    /// A duration that goes on after its first token.
+    pub(super) fn parted_duration(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let is_prefix = |word: &str| PREFIXES.iter().any(|prefix| prefix.eq_ignore_ascii_case(word));
+        let (first, prefix, value) = match token.kind {
+            RawKind::Literal => match self.slice(token).split_once('#') {
+                Some((prefix, value)) if is_prefix(prefix) => (at, prefix, value),
+                _ => return false,
+            },
+            RawKind::Hash if at > 0 && self.kind(at - 1) == Some(RawKind::Word) && self.adjacent(at - 1) => {
+                let prefix = self.slice(self.tokens[at - 1]);
+                if !is_prefix(prefix) || self.is_declared(prefix) {
+                    return false;
+                }
+                (at - 1, prefix, "")
+            }
+            _ => return false,
+        };
+        let Some((after, written)) = self.rest_after_blanks(value).or_else(|| self.rest_after_colons(value)) else {
+            return false;
+        };
+        let title = format!("`{}` is not a constant as STEP 7 writes it", self.words(first, after - 1));
+        let message = Diagnostic::new(Code::BadLiteral, self.span(first, after), title);
+        let label = "no blanks and no colons inside a duration";
+        self.messages.push(message.label(label).help(format!("write `{prefix}#{written}`")));
+        self.replace(first, after, RawKind::Reported, None);
+        true
+    }
+
+    /// ` 30m 5s` after `1h`: the index after it, and the whole value.
+    fn rest_after_blanks(&self, value: &str) -> Option<(usize, String)> {
+        let mut written = value.trim_end_matches('_').to_ascii_uppercase();
+        let mut after = self.at + 1;
+        while let (Some(number), Some(unit)) = (self.beside(after), self.beside(after + 1))
+            && number.kind == RawKind::Number
+            && unit.kind == RawKind::Word
+            && self.adjacent(after)
+        {
+            let part = self.words(after, after + 1).to_ascii_uppercase();
+            written = if written.is_empty() { part } else { format!("{written}_{part}") };
+            after += 2;
+        }
+        let is_duration = duration::nanoseconds(&written, Smallest::Nanosecond, Fraction::Anywhere).is_ok();
+        (after > self.at + 1 && is_duration).then_some((after, written))
+    }
+
+    /// `:30:00` after `1`: the index after it, and the whole value.
+    fn rest_after_colons(&self, value: &str) -> Option<(usize, String)> {
+        let at = self.at;
+        let is_number = !value.is_empty() && value.bytes().all(|digit| digit.is_ascii_digit());
+        let joined = (at..at + 4).all(|index| self.adjacent(index));
+        let kinds = [at + 1, at + 2, at + 3, at + 4].map(|index| self.kind(index));
+        let wanted = [RawKind::Colon, RawKind::Number, RawKind::Colon, RawKind::Number].map(Some);
+        if !is_number || !joined || kinds != wanted {
+            return None;
+        }
+        let (minutes, seconds) = (self.words(at + 2, at + 2), self.words(at + 4, at + 4));
+        Some((at + 5, format!("{value}H_{minutes}M_{seconds}S")))
+    }
+}
