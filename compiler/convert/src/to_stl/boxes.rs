@@ -341,13 +341,17 @@ impl Maker<'_> {
                     eno(self);
                 }
             }
-            enable if !saves => return self.under(&enable, body),
+            enable if !saves => {
+                let jump = self.under(&enable, body);
+                return self.clear_wires(graph, plan, at, jump);
+            }
             enable => {
                 let label = self.new_label();
                 self.evaluate(&enable);
-                self.jump(StlInsn::JumpIfNotBr, &label);
+                let jump = self.jump(StlInsn::JumpIfNotBr, &label);
                 self.sets_br = true;
                 body(self);
+                self.clear_wires(graph, plan, at, Some(jump));
                 if generated && checked {
                     eno(self);
                 } else {
@@ -357,6 +361,29 @@ impl Maker<'_> {
             }
         }
         self.take_eno(graph, plan, at, wanted);
+    }
+
+    /// A box that does not run leaves 0 at its wires. `jump`: the place of the statement that skips it.
+    pub fn clear_wires(&mut self, graph: &Graph, plan: &Plan, at: usize, jump: Option<usize>) {
+        let Some(jump) = jump else { return };
+        let mut before = Vec::new();
+        for pin in graph.elements[at].pins.iter().filter(|pin| pin.output) {
+            let PinValue::Net(net) = pin.value else { continue };
+            let Some((operand, ty)) = self.typed.get(&net) else { continue };
+            if plan.is_guarded(graph, net, at) {
+                continue;
+            }
+            let zero = match ty {
+                Elementary::Real => Literal::Real(0.0),
+                ty if ty.bits() == 32 => Literal::Dint(0),
+                _ => Literal::Int(0),
+            };
+            let zero = Operand { kind: OperandKind::Literal(zero), span: self.span };
+            // Neither of them changes the RLO.
+            before.push((StlInsn::Load, zero));
+            before.push((StlInsn::Transfer, operand.clone()));
+        }
+        self.insert(jump, before);
     }
 
     /// ENO is BR.

@@ -184,9 +184,16 @@ impl Maker<'_> {
             enable => {
                 let label = self.new_label();
                 self.evaluate(&enable);
-                self.jump(StlInsn::JumpIfNotBr, &label);
+                let jump = self.jump(StlInsn::JumpIfNotBr, &label);
                 self.rlo = None;
                 self.push_kind(call);
+                // EN is 0 where the call is skipped.
+                let wires = results.iter().filter(|(pin, _)| match element.pins[*pin].value {
+                    PinValue::Net(net) => !plan.is_guarded(graph, net, at),
+                    PinValue::Operand(_) | PinValue::Open => false,
+                });
+                let clears = wires.map(|(_, bit)| (StlInsn::Assign, bit.clone())).collect();
+                self.insert(jump, clears);
                 self.label(&label);
             }
         }

@@ -169,7 +169,9 @@ impl Maker<'_> {
                 let Some(label) = self.jump_label(element, "label") else { return };
                 let flow = self.input(graph, plan, at, "in");
                 match flow {
-                    Logic::Constant(value) if value != negated => self.jump(StlInsn::Jump, &label),
+                    Logic::Constant(value) if value != negated => {
+                        self.jump(StlInsn::Jump, &label);
+                    }
                     Logic::Constant(_) => {}
                     flow => {
                         self.evaluate(&flow);
@@ -498,18 +500,21 @@ impl Maker<'_> {
         self.under(&flow, body);
     }
 
-    pub fn under(&mut self, flow: &Logic, body: impl FnOnce(&mut Self)) {
+    /// Statements that run if the flow is 1; returns the place of the one that skips them, if any does.
+    pub fn under(&mut self, flow: &Logic, body: impl FnOnce(&mut Self)) -> Option<usize> {
         match flow {
             Logic::Constant(true) => body(self),
             Logic::Constant(false) => {}
             flow => {
                 let label = self.new_label();
                 self.evaluate(flow);
-                self.jump(StlInsn::JumpIfNot, &label);
+                let jump = self.jump(StlInsn::JumpIfNot, &label);
                 body(self);
                 self.label(&label);
+                return Some(jump);
             }
         }
+        None
     }
 
     // Pins.

@@ -212,8 +212,27 @@ impl Maker<'_> {
         }
     }
 
-    fn jump(&mut self, insn: StlInsn, label: &str) {
+    /// A jump; returns its place among the statements.
+    fn jump(&mut self, insn: StlInsn, label: &str) -> usize {
         self.push(insn, Some(Operand { kind: OperandKind::Label(label.to_string()), span: self.span }));
+        self.statements.len() - 1
+    }
+
+    /// Inserts statements before the one at `place`, whose label they get.
+    fn insert(&mut self, place: usize, statements: Vec<(StlInsn, Operand)>) {
+        let mut label = match statements.is_empty() {
+            true => None,
+            false => self.statements[place].label.take(),
+        };
+        let span = self.span;
+        let made: Vec<Statement> = statements
+            .into_iter()
+            .map(|(insn, operand)| {
+                let kind = StatementKind::Instruction { insn, mnemonic_span: span, operand: Some(operand) };
+                Statement { label: label.take(), kind, span }
+            })
+            .collect();
+        self.statements.splice(place..place, made);
     }
 
     /// A variable for a value of the current network.

@@ -116,6 +116,12 @@ impl Plan {
         self.uses.get(&self.canonical(net)).is_some_and(|uses| !uses.by.is_empty() || uses.by_net)
     }
 
+    /// Whatever reads the net runs only if the box `element` does.
+    pub fn is_guarded(&self, graph: &Graph, net: NetId, element: usize) -> bool {
+        let Some(uses) = self.uses.get(&self.canonical(net)) else { return true };
+        !uses.by_net && uses.by.iter().all(|user| follows(graph, *user, element))
+    }
+
     /// The net must be in a variable of its own after its last source.
     pub fn is_kept(&self, graph: &Graph, net: NetId) -> bool {
         self.is_used(net) && self.only_user(graph, net).is_none()
@@ -164,6 +170,40 @@ impl Plan {
                 return false;
             }
             (element, at) = (user, at + 1);
+        }
+    }
+}
+
+/// The flow of `user` is ENO of the box `element`, also by way of contacts, coils and other boxes.
+fn follows(graph: &Graph, user: usize, element: usize) -> bool {
+    let mut user = user;
+    // A loop of wires ends as well.
+    for _ in 0..graph.elements.len() {
+        let Some(pin) = flow_pin(&graph.elements[user]).filter(|pin| !pin.negated) else { return false };
+        let PinValue::Net(net) = pin.value else { return false };
+        let [Source::Pin { element: before, pin }] = graph.net(net).sources[..] else { return false };
+        let passes = &graph.elements[before];
+        if !lets_pass(passes) || passes.pins[pin].negated || out_net(graph, before) != Some(net) {
+            return false;
+        }
+        if before == element {
+            return true;
+        }
+        user = before;
+    }
+    false
+}
+
+/// No flow leaves the element without entering it.
+fn lets_pass(element: &Element) -> bool {
+    match &element.target {
+        Target::Block { .. } => true,
+        Target::Element { row, .. } => {
+            row.is_box()
+                || matches!(
+                    row.kind,
+                    Kind::Contact | Kind::Compare(_) | Kind::Coil | Kind::SetCoil | Kind::ResetCoil | Kind::Save
+                )
         }
     }
 }
