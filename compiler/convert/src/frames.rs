@@ -525,7 +525,15 @@ pub(crate) fn with_retention(header: &Header, notation: Notation) -> Header {
     let says = |key: &str| header.attributes.iter().find(|(own, _)| own.eq_ignore_ascii_case(key));
     let is_standard = |key: &str| says(key).is_some_and(|(_, value)| value.trim().eq_ignore_ascii_case("FALSE"));
     let mut made = header.clone();
-    if header.retain || header.non_retain || says("S7_StandardRetain").is_some() {
+    if header.retain || header.non_retain {
+        return made;
+    }
+    if let Some((_, retain)) = says("S7_StandardRetain") {
+        // The attribute is one of SIMATIC SD.
+        if notation == Notation::Scl && (is_standard("S7_Optimized_Access") || is_standard("S7_Optimized")) {
+            made.non_retain = !retain.trim().eq_ignore_ascii_case("TRUE");
+            made.attributes.retain(|(key, _)| !key.eq_ignore_ascii_case("S7_StandardRetain"));
+        }
         return made;
     }
     let mut standard_retain = |value: &str| made.attributes.push(("S7_StandardRetain".to_string(), value.to_string()));

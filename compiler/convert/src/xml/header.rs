@@ -59,11 +59,12 @@ pub(super) fn attributes(
 
 /// Reports what a header says and the file does not.
 pub(super) fn check_header(name: &BlockName, header: &Header, writer: &mut Writer) {
-    const KNOWN: [&str; 11] = [
+    const KNOWN: [&str; 12] = [
         "S7_SetENOAutomatically",
         "SetENOAutomatically",
         "S7_Optimized_Access",
         "S7_Optimized",
+        "S7_StandardRetain",
         "S7_BlockNumber",
         "S7_Version",
         "S7_PreferredLanguage",
@@ -87,6 +88,23 @@ pub(super) fn check_header(name: &BlockName, header: &Header, writer: &mut Write
     if header.know_how_protect {
         let title = "the protection of the block is not in the file";
         writer.warn(name.span(), title, "protect the block again in the editor");
+    }
+}
+
+/// What members of a data block with standard access say about retentivity, if its header says it for all of them.
+///
+/// Source: SIMATIC SD, where such data are retentive only if the header says so.
+pub(super) fn standard_remanence(header: &Header) -> Option<&'static str> {
+    let is_standard =
+        |names: &[&str]| attribute(header, names).is_some_and(|value| value.eq_ignore_ascii_case("FALSE"));
+    if header.retain || !is_standard(&["S7_Optimized_Access", "S7_Optimized"]) {
+        return None;
+    }
+    match attribute(header, &["S7_StandardRetain"]) {
+        _ if header.non_retain => Some("NonRetain"),
+        Some(retain) if retain.eq_ignore_ascii_case("TRUE") => Some("Retain"),
+        Some(_) => Some("NonRetain"),
+        None => is_standard(&["S7_Optimized"]).then_some("NonRetain"),
     }
 }
 

@@ -98,6 +98,16 @@ pub fn of_members(
     Node::new("Interface").child(sections().child(node))
 }
 
+/// Gives the members that say nothing about retentivity what holds for the whole block.
+pub fn set_remanence(interface: &mut Node, remanence: &str) {
+    let sections = interface.children.iter_mut().flat_map(|sections| sections.children.iter_mut());
+    for member in sections.flat_map(|section| section.children.iter_mut()) {
+        if !member.attributes.iter().any(|(key, _)| *key == "Remanence") {
+            member.attributes.push(("Remanence", remanence.to_string()));
+        }
+    }
+}
+
 fn member(variable: &Variable, library: &Library, writer: &mut Writer) -> Node {
     let mut remarks = writer.trivia.before(variable.name_span.start);
     remarks.retain(|remark| !writer.is_written(&remark.text));

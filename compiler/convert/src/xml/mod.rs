@@ -37,7 +37,7 @@ use crate::frames::bare;
 use crate::node::{self, Node};
 use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
-use header::{attributes, check_header};
+use header::{attributes, check_header, standard_remanence};
 use library::{name_of, referred};
 
 /// The text of a comment. Only `//@` is an assertion; another comment that begins with `@` keeps its brackets.
@@ -332,7 +332,7 @@ fn data(
     };
     let first = first.unwrap_or(block.span.end);
     before.extend(writer.header_lines(&block.header, block.name.span().end, &["STRUCT", "VAR", "BEGIN"], first));
-    let (kind, interface, mut more) = match &block.content {
+    let (kind, mut interface, mut more) = match &block.content {
         DataContent::Struct(members) => {
             let all = || -> Vec<String> { members.iter().map(|member| member.name.clone()).collect() };
             let retained = if block.header.retain { all() } else { block.retained.clone() };
@@ -381,6 +381,15 @@ fn data(
             ("SW.Blocks.ArrayDB", interface::of_members("Static", &[], &[], library, writer), more)
         }
     };
+    if let Some(remanence) = standard_remanence(&block.header) {
+        let has_members = matches!(block.content, DataContent::Struct(_));
+        if has_members {
+            interface::set_remanence(&mut interface, remanence);
+        } else if remanence == "NonRetain" && !block.header.non_retain {
+            let title = format!("the file does not say that the data of `{}` are not retentive", name_of(&block.name));
+            writer.warn(block.name.span(), title, "set the retentivity in the editor again");
+        }
+    }
     let after = writer.lines_before(block.span.end);
     let mut list = attributes(&block.name, &block.header, Some(interface), "DB", library);
     list.children.append(&mut more);

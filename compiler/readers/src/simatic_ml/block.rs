@@ -43,7 +43,13 @@ pub fn read(reader: &mut Reader, object: Node) -> Option<Block> {
             let members = interface::components(reader, interface::sections(object), false, &shown);
             let content = if members.is_empty() { DataContent::Empty } else { DataContent::Struct(members) };
             let retained = interface::retained(object);
-            Block::Data(DataBlock { name, header: header(object), content, values: Vec::new(), retained, span })
+            let mut header = header(object);
+            let layout = setting_text(object, "MemoryLayout");
+            let is_standard = layout.is_some_and(|layout| layout.eq_ignore_ascii_case("Standard"));
+            if is_standard && interface::says_not_retained(object) {
+                header.attributes.push(("S7_StandardRetain".to_string(), "FALSE".to_string()));
+            }
+            Block::Data(DataBlock { name, header, content, values: Vec::new(), retained, span })
         }
         other => {
             let message =

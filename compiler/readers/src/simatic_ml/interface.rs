@@ -137,10 +137,20 @@ pub fn components(reader: &mut Reader, sections: Option<Node>, instance: bool, w
 
 /// Names of the members that a data block declares as retentive.
 pub fn retained(object: Node) -> Vec<String> {
+    remanent(object, "Retain")
+}
+
+/// Whether a data block declares members as not retentive. An export without defaults leaves that out.
+pub fn says_not_retained(object: Node) -> bool {
+    !remanent(object, "NonRetain").is_empty()
+}
+
+/// Names of the members with that retentivity.
+fn remanent(object: Node, remanence: &str) -> Vec<String> {
     let all = sections(object);
     let members =
         all.iter().flat_map(|sections| children(*sections, "Section")).flat_map(|section| children(section, "Member"));
-    members.filter(|member| member.attribute("Remanence") == Some("Retain")).map(name_of).collect()
+    members.filter(|member| member.attribute("Remanence") == Some(remanence)).map(name_of).collect()
 }
 
 fn constant(reader: &mut Reader, member: Node) -> Constant {

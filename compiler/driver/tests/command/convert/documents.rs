@@ -129,6 +129,25 @@ fn data_stay_retentive_or_not() {
     let plain = "{ S7_Optimized := \"FALSE\" }\nDATA_BLOCK Lost\nVAR\n    n : Int;\nEND_VAR\nEND_DATA_BLOCK\n";
     fs::write(folder.join("b.s7dcl"), plain).expect("the folder can be written");
     assert!(convert("b.s7dcl", "scl").contains("{ S7_Optimized_Access := 'FALSE' }\nNON_RETAIN\nSTRUCT\n"));
+    // The same by way of XML, whose members say it.
+    fs::write(folder.join("b.xml"), convert("b.s7dcl", "xml")).expect("the folder can be written");
+    assert!(convert("b.xml", "scl").contains("{ S7_Optimized_Access := 'FALSE' }\nNON_RETAIN\nSTRUCT\n"));
+    let back = convert("b.xml", "sd");
+    assert!(
+        back.contains("{ S7_Optimized := \"FALSE\"; S7_StandardRetain := \"FALSE\" }\nDATA_BLOCK Lost\n"),
+        "{back}"
+    );
+    let kept = plain.replace("\"FALSE\" }", "\"FALSE\"; S7_StandardRetain := \"TRUE\" }");
+    fs::write(folder.join("c.s7dcl"), kept).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "c.s7dcl", "--to", "xml", "-o", "c.xml"]);
+    assert_eq!((output.status.code(), text(&output.stderr).as_str()), (Some(0), ""));
+    let source = convert("c.xml", "scl");
+    assert!(source.contains("{ S7_Optimized_Access := 'FALSE' }\nVAR RETAIN\n"), "{source}");
+    // An instance has no members in XML.
+    let instance = "{ S7_Optimized := \"FALSE\" }\nDATA_BLOCK One : TON_TIME\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("d.s7dcl"), instance).expect("the folder can be written");
+    let said = text(&plcc(folder, &["convert", "d.s7dcl", "--to", "xml"]).stderr);
+    assert!(said.contains("the file does not say that the data of `One` are not retentive"), "{said}");
 }
 
 /// The number decides when an organization block with a name of its own runs.
