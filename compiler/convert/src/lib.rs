@@ -13,6 +13,7 @@
 //! - [`addresses`]: symbols as addresses and back.
 //! - [`migration`]: which parts of a program another CPU has.
 //! - [`literal`]: constants as text.
+//! - [`own_types`]: types that a program declares itself.
 //! - [`trivia`]: comments, which trees do not hold.
 //!
 //! If a notation cannot express something, a message names it; nothing is left out silently.
@@ -31,6 +32,7 @@ mod names;
 mod node;
 mod operand;
 mod out;
+pub mod own_types;
 pub mod plcopen;
 pub mod scl;
 pub mod sd;

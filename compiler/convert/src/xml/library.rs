@@ -76,9 +76,19 @@ impl Library {
                     library.data.push(name.clone());
                     match &block.content {
                         DataContent::OfType(ty) => {
-                            if let TypeKind::Block(of) = &ty.kind {
-                                library.instances.insert(name, of.clone());
-                            }
+                            let of = match &ty.kind {
+                                TypeKind::Block(of) => Some(of.clone()),
+                                // A block of the system: `TON_TIME`.
+                                TypeKind::Named(of) => Some(BlockName::Symbol { name: of.clone(), span: ty.span }),
+                                TypeKind::String(_)
+                                | TypeKind::WideString(_)
+                                | TypeKind::Array { .. }
+                                | TypeKind::OpenArray { .. }
+                                | TypeKind::Reference(_)
+                                | TypeKind::Struct(_)
+                                | TypeKind::Error => None,
+                            };
+                            library.instances.extend(of.map(|of| (name, of)));
                             library.data_types.push(ty.clone());
                         }
                         DataContent::Struct(members) => {

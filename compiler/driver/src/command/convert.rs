@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use plcc_abi::image::Family;
 use plcc_convert::addresses::To;
+use plcc_convert::own_types::OwnTypes;
 use plcc_convert::scl::Others;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
@@ -91,6 +92,12 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let mut messages = std::mem::take(&mut parsed.diagnostics);
     // What only warns about the source stays as it is.
     messages.retain(Diagnostic::is_error);
+    let own_types = OwnTypes::new(parsed.units.iter().map(|(_, unit)| unit));
+    for (id, unit) in &mut parsed.units {
+        if has_quoted_types(to, unit, parsed.sources.file(*id)) {
+            own_types.settle(unit);
+        }
+    }
     let mut files = Vec::new();
     let told = companions::cpu_of_pragmas(&parsed).filter(|name| profile::lookup(name).is_some());
     let program = match messages.is_empty() && has_scl_for_stl(to, &parsed) {
@@ -277,6 +284,15 @@ fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -
 /// Whether a source has such a block.
 fn has(unit: &SourceUnit, is_such: impl Fn(&Code) -> bool) -> bool {
     unit.blocks.iter().any(|block| matches!(block, Block::Code(block) if is_such(&block.code)))
+}
+
+/// Whether the new notation has the types of a program in quotes. SCL keeps them as its author wrote them.
+fn has_quoted_types(to: ConvertTo, unit: &SourceUnit, source: &SourceFile) -> bool {
+    match to {
+        ConvertTo::Stl | ConvertTo::Xml => true,
+        ConvertTo::Scl => unit.overlay.is_some() || is_document(source),
+        ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Gr7 | ConvertTo::Plcopen | ConvertTo::Awl => false,
+    }
 }
 
 /// Whether a source is a document of SIMATIC SD.

@@ -150,6 +150,52 @@ fn data_stay_retentive_or_not() {
     assert!(said.contains("the file does not say that the data of `One` are not retentive"), "{said}");
 }
 
+/// Types of the program need no quotes in SIMATIC SD, and keep their letters where they need them.
+#[test]
+fn types_of_the_program_are_in_quotes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "TYPE\n    Door : STRUCT\n        open : Bool;\n    END_STRUCT;\nEND_TYPE\n\
+                  FUNCTION_BLOCK Gate\n    VAR\n        d : Door;\n        list : Array[0..1] of Door;\n    END_VAR\n    \
+                  { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  Contact( #d.open )  Coil( #list[1].open )  END_RUNG\n    END_NETWORK\nEND_FUNCTION_BLOCK\n\
+                  DATA_BLOCK Gate_DB : Gate\nEND_DATA_BLOCK\n\
+                  ORGANIZATION_BLOCK Main\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  \"Gate_DB\"()  END_RUNG\n    END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let convert = |from: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, "--to", to]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let list = convert("a.s7dcl", "stl");
+    for found in
+        ["    d : \"Door\";\n", "    list : ARRAY[0..1] OF \"Door\";\n", "DATA_BLOCK \"Gate_DB\"\n\"Gate\"\nBEGIN\n"]
+    {
+        assert!(list.contains(found), "{found} in\n{list}");
+    }
+    let document = convert("a.s7dcl", "xml");
+    for found in [
+        "<Member Name=\"d\" Datatype=\"&quot;Door&quot;\"/>",
+        "<Member Name=\"list\" Datatype=\"Array[0..1] of &quot;Door&quot;\"/>",
+        "<InstanceOfName>Gate</InstanceOfName>",
+        "<CallInfo Name=\"Gate\" BlockType=\"FB\">",
+    ] {
+        assert!(document.contains(found), "{found} in\n{document}");
+    }
+    assert!(!document.contains("OfSystemLibElement"), "{document}");
+    let data = "TYPE\n    Door : STRUCT\n        open : Bool;\n    END_STRUCT;\nEND_TYPE\n\
+                DATA_BLOCK Store\nVAR\n    d : Door;\nEND_VAR\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("b.s7dcl"), data).expect("the folder can be written");
+    assert!(convert("b.s7dcl", "scl").contains("    d : \"Door\";\n"));
+    // A timer in a data block is called as one in a variable is.
+    let timer = "DATA_BLOCK \"Wait\" TON_TIME\nBEGIN\nEND_DATA_BLOCK\nFUNCTION \"F\" : VOID\nBEGIN\n    \
+                 \"Wait\"(IN := TRUE, PT := T#1s);\nEND_FUNCTION\n";
+    fs::write(folder.join("c.scl"), timer).expect("the folder can be written");
+    let document = convert("c.scl", "xml");
+    assert!(document.contains("<CallInfo Name=\"TON_TIME\" BlockType=\"FB\""), "{document}");
+}
+
 /// The number decides when an organization block with a name of its own runs.
 #[test]
 fn numbers_of_documents_stay() {
