@@ -63,7 +63,8 @@ impl Writer<'_> {
             DataContent::OfType(ty) | DataContent::Array(ty, _) => Some(ty.span.start),
             DataContent::Empty => None,
         };
-        self.header(&with_retention(&block.header, self.notation), &block.name, false, start);
+        let header = with_retention(&block.header, self.notation);
+        self.header(&header, &block.name, is_standard(&block.header), start);
         match &content {
             DataContent::Struct(members) if block.retained.is_empty() => {
                 self.out.line("STRUCT");
@@ -137,7 +138,7 @@ impl Writer<'_> {
             key => Some(attribute(key, value)),
         });
         let mut list: Vec<String> = attributes.collect();
-        // A name has its number as in SIMATIC SD; one that the project chose says nothing to blocks that go by names.
+        // A name has its number as in SIMATIC SD; one that the project chose says nothing to what goes by names.
         let is_known = header.attributes.iter().any(|(key, _)| key.eq_ignore_ascii_case("S7_BlockNumber"));
         let is_own = needs_number || !header.auto_number || self.notation == Notation::Stl;
         if let (Some(number), BlockName::Symbol { .. }) = (header.number.filter(|_| is_own && !is_known), name) {
@@ -545,6 +546,15 @@ pub(crate) fn with_retention(header: &Header, notation: Notation) -> Header {
         Notation::Sd | Notation::Scl | Notation::Stl | Notation::Gr7 | Notation::St => {}
     }
     made
+}
+
+/// Whether a data block has standard access, so that addresses reach its data by its number.
+pub(crate) fn is_standard(header: &Header) -> bool {
+    let says = |(key, value): &(String, String)| {
+        (key.eq_ignore_ascii_case("S7_Optimized_Access") || key.eq_ignore_ascii_case("S7_Optimized"))
+            && value.trim().eq_ignore_ascii_case("FALSE")
+    };
+    header.attributes.iter().any(says)
 }
 
 fn attribute(key: &str, value: &str) -> String {

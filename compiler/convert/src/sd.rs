@@ -21,7 +21,7 @@ use plcc_syntax::network::elements::{CounterCoil, Kind, PinDirection, Row};
 use plcc_syntax::scl::ast::{Dialect, Expr, ExprKind, Literal, Statement};
 use plcc_syntax::stl::Mnemonics;
 
-use crate::frames::{is_implied, with_retention};
+use crate::frames::{is_implied, is_standard, with_retention};
 use crate::names;
 use crate::scl::expression;
 use crate::trivia::{Remark, Trivia};
@@ -112,7 +112,7 @@ impl Writer<'_> {
         let after_head =
             self.attributes_after_head(block.return_type.as_ref().map_or(block.name.span().end, |ty| ty.span.end));
         self.remarks_before(block.span.start);
-        self.sd_header(&block.header, block.span, &after_head, texts);
+        self.sd_header((&block.header, block.kind == CodeKind::Ob), block.span, &after_head, texts);
         let returns = match (&block.return_type, block.kind) {
             (Some(ty), _) => format!(" : {}", self.type_text(ty)),
             (None, CodeKind::Fc | CodeKind::Sfc) => " : Void".to_string(),
@@ -156,7 +156,7 @@ impl Writer<'_> {
         self.remarks_before(block.span.start);
         let header =
             if self.braces.is_some() { block.header.clone() } else { with_retention(&block.header, Notation::Sd) };
-        self.sd_header(&header, block.span, &after_head, texts);
+        self.sd_header((&header, is_standard(&header)), block.span, &after_head, texts);
         let name = self.document_name(&block.name);
         if let DataContent::Array(_, Some(values)) = &content {
             let title = "SIMATIC SD has no start values of a data block that is an array";
@@ -219,7 +219,7 @@ impl Writer<'_> {
         if is_joined {
             self.out.indent();
         }
-        self.sd_header(&block.header, block.span, &inner, texts);
+        self.sd_header((&block.header, false), block.span, &inner, texts);
         let name = self.document_name(&block.name);
         if !is_joined {
             self.out.line("TYPE");

@@ -148,13 +148,21 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// The attributes before a block; `elsewhere`: those that stand in another place.
-    pub(super) fn sd_header(&mut self, header: &Header, span: Span, elsewhere: &[Attribute], texts: &mut Texts) {
+    /// The attributes before a block; `needs_number`: it is found by its number; `elsewhere`: those that stand in another place.
+    pub(super) fn sd_header(
+        &mut self,
+        (header, needs_number): (&Header, bool),
+        span: Span,
+        elsewhere: &[Attribute],
+        texts: &mut Texts,
+    ) {
         let own = self.attributes_before(span.start);
         let is_there = |key: &str| own.iter().chain(elsewhere).any(|attribute| attribute.is(key));
         let known = |key: &str| is_there(key) || header.attributes.iter().any(|(own, _)| own.eq_ignore_ascii_case(key));
         let mut list: Vec<String> = own.iter().map(|attribute| attribute.text.to_string()).collect();
-        if let Some(number) = header.number.filter(|_| !known("S7_BlockNumber")) {
+        // Without a number, the project chooses one.
+        let is_own = needs_number || !header.auto_number;
+        if let Some(number) = header.number.filter(|_| is_own && !known("S7_BlockNumber")) {
             list.push(format!("S7_BlockNumber := \"{number}\""));
         }
         for (key, value) in header.attributes.iter().filter(|(key, _)| !is_there(key)) {

@@ -293,6 +293,42 @@ fn start_values_of_elements_stay() {
     }
 }
 
+/// A number that the project chose is left to the project again, unless addresses need it.
+#[test]
+fn automatic_numbers_stay_automatic() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let object = |kind: &str, name: &str, layout: &str, language: &str| {
+        format!(
+            "<SW.Blocks.{kind} ID=\"{name}\"><AttributeList><AutoNumber>true</AutoNumber>\
+             <Interface><Sections xmlns=\"http://www.siemens.com/automation/Openness/SW/Interface/v5\">\
+             <Section Name=\"Static\"><Member Name=\"x\" Datatype=\"Int\"/></Section></Sections></Interface>\
+             <MemoryLayout>{layout}</MemoryLayout><Name>{name}</Name><Number>5</Number>\
+             <ProgrammingLanguage>{language}</ProgrammingLanguage></AttributeList></SW.Blocks.{kind}>"
+        )
+    };
+    let document = format!(
+        "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<Document><Engineering version=\"V17\"/>{}{}</Document>\n",
+        object("GlobalDB", "Five", "Standard", "DB"),
+        object("FB", "Lamp", "Optimized", "SCL")
+    );
+    fs::write(folder.join("a.xml"), document).expect("the folder can be written");
+    let main =
+        "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %DB5.DBW0 := 7;\n  //@ assert \"Five\".x == 7\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("main.scl"), main).expect("the folder can be written");
+    for to in ["scl", "sd"] {
+        let output = format!("{to}/");
+        let made = plcc(folder, &["convert", "a.xml", "main.scl", "--to", to, "-o", &output, "--cpu", "s7-1500"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let tested = plcc(folder, &["test", to, "--cpu", "s7-1500"]);
+        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(said.contains("1 passed, 0 failed"), "{said}");
+        let extension = if to == "sd" { "s7dcl" } else { to };
+        let found = fs::read_to_string(folder.join(to).join("a").with_extension(extension)).expect("it is written");
+        assert_eq!(found.matches("S7_BlockNumber").count(), 1, "{found}");
+    }
+}
+
 /// Numbers of blocks come back from XML, where each block has a name.
 #[test]
 fn numbers_of_exports_stay() {
