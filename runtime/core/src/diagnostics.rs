@@ -6,7 +6,7 @@
 use std::cell::{Cell, RefCell};
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::Site;
+use plcc_abi::image::{BlockKind, Site};
 use plcc_abi::remote::RemoteChannel;
 
 use crate::datetime;
@@ -133,17 +133,32 @@ pub fn site(image: &ProgramImage, site: u32) -> Option<&Site> {
     image.sites.get(site as usize)
 }
 
-/// `FC 3, network 2, main.stl:17`, or the running OB where no site is known.
+/// `FC 3, network 2, main.stl:17`, or the running OB where no site is known. Blocks with names are called by them, and those of the
+/// library have the place of their first use.
 pub fn place_text(image: &ProgramImage, entry: &Entry) -> String {
     match site(image, entry.site) {
         Some(site) => {
             let file = image.files.get(site.file as usize).map_or("?", String::as_str);
             let network = if site.network == 0 { String::new() } else { format!("network {}, ", site.network) };
-            format!("{} {}, {network}{file}:{}", site.block.prefix(), site.block_number, site.line)
+            match (site.block, block_name(image, site.block, site.block_number)) {
+                (BlockKind::Sfc | BlockKind::Sfb, Some(name)) => format!("{name}, first used in {file}:{}", site.line),
+                (kind @ (BlockKind::Ob | BlockKind::Fc | BlockKind::Fb), Some(name)) => {
+                    format!("{name} ({} {}), {network}{file}:{}", kind.prefix(), site.block_number, site.line)
+                }
+                (kind, _) => format!("{} {}, {network}{file}:{}", kind.prefix(), site.block_number, site.line),
+            }
         }
         None if entry.ob != 0 => format!("OB {}", entry.ob),
         None => String::new(),
     }
+}
+
+/// The symbolic name of a block with code, if it has one.
+fn block_name(image: &ProgramImage, kind: BlockKind, number: u16) -> Option<&str> {
+    let entered = image.blocks.iter().map(|block| (block.kind, block.number, block.name.as_str()));
+    let inner = image.inner_blocks.iter().map(|(kind, number, name)| (*kind, *number, name.as_str()));
+    let found = entered.chain(inner).find(|(found, own, _)| (*found, *own) == (kind, number));
+    found.map(|(.., name)| name).filter(|name| !name.is_empty())
 }
 
 /// Event in words, with its number.

@@ -30,6 +30,23 @@ fn missing_ob_121_stops_with_place_and_cause() {
 }
 
 #[test]
+fn places_name_blocks_as_their_author_does() {
+    let place = |block, block_number, network, name: &str| {
+        let cpu = cpu_with(Vec::new(), |image| {
+            image.sites.push(Site { file: 0, line: 17, block, block_number, network });
+            image.files.push("main.scl".to_string());
+            image.inner_blocks.push((block, block_number, name.to_string()));
+        });
+        cpu.log(0x2522, 0, 0);
+        crate::diagnostics::place_text(&cpu.image, &cpu.diagnostics.newest_first()[0])
+    };
+    assert_eq!(place(BlockKind::Fb, 1, 0, "Barrier"), "Barrier (FB 1), main.scl:17");
+    assert_eq!(place(BlockKind::Fc, 3, 2, "Fill"), "Fill (FC 3), network 2, main.scl:17");
+    assert_eq!(place(BlockKind::Fc, 3, 2, ""), "FC 3, network 2, main.scl:17");
+    assert_eq!(place(BlockKind::Sfb, 1720, 0, "Program_Alarm"), "Program_Alarm, first used in main.scl:17");
+}
+
+#[test]
 fn ob_121_gets_its_start_information_inside_the_class() {
     let seen: Rc<RefCell<Vec<[u8; 12]>>> = Rc::default();
     let keep = seen.clone();
