@@ -5,6 +5,7 @@ use std::fmt::{Debug, Write as _};
 use plcc_diag::{Diagnostic, FileId, Span};
 
 use super::comment::Comment;
+use super::pragma;
 use super::scan::RawToken;
 use crate::ast::Pragma;
 
@@ -59,7 +60,9 @@ impl<'a, 'r, K: Copy + PartialEq, W: Copy, T> Cursor<'a, 'r, K, W, T> {
         }
     }
 
-    pub fn finish(self) -> Classified<T> {
+    pub fn finish(mut self) -> Classified<T> {
+        let (file, text) = (self.file, self.text);
+        self.diagnostics.extend(self.comments.iter().filter_map(|comment| pragma::nearly(file, text, *comment)));
         Classified { tokens: self.out, diagnostics: self.diagnostics, pragmas: self.pragmas }
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 
 use super::comment::{Comment, CommentForm};
 use super::cursor::Cursor;
@@ -17,6 +17,34 @@ pub fn is_pragma(comment: &str) -> bool {
 /// Whether the pragma applies to the file: `cpu`, `test`.
 pub fn is_for_file(pragma: &Pragma) -> bool {
     matches!(pragma.text.split_ascii_whitespace().next(), Some("cpu" | "test"))
+}
+
+/// The warning about a comment that would be a pragma without a blank, `// @assert Q0.0 == 1`, or on a line of its own: an assertion that
+/// nobody checks is a test that cannot fail.
+pub fn nearly(file: FileId, source: &str, comment: Comment) -> Option<Diagnostic> {
+    let start = comment.start as usize;
+    let written = source.get(comment.range())?.trim_end();
+    let text = written.strip_prefix("//")?.trim_start().strip_prefix('@')?.trim_start();
+    let (word, rest) = text.split_once(char::is_whitespace)?;
+    let is_meant = match word {
+        "assert" => rest.contains(['=', '<', '>']),
+        "sleep" => rest.trim_start().starts_with(|c: char| c.is_ascii_digit()),
+        "test" => ["cycles=", "expect=", "partial"].iter().any(|form| rest.trim_start().starts_with(form)),
+        "cpu" => rest.split_whitespace().count() == 1,
+        _ => false,
+    };
+    if comment.form != CommentForm::Line || !is_meant || comment.own_line && is_pragma(written) {
+        return None;
+    }
+    let end = start + written.len() - rest.len();
+    let shown = source[start..end].trim_end();
+    let place = if comment.own_line { "" } else { " on a line of its own" };
+    let span = Span::new(file, start..start + shown.len());
+    let mut message = Diagnostic::new(Code::Pragma, span, format!("`{shown}` is only a comment"))
+        .label("`plcc test` does not read it")
+        .help(format!("write `//@ {word} {}`{place}", rest.trim()));
+    message.severity = Severity::Warning;
+    Some(message)
 }
 
 /// The first comment line `//@` from number `next` on that begins before byte `before`; `next` is then its number.

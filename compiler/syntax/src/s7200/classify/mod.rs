@@ -13,7 +13,8 @@ use super::token::Tok;
 use super::{pragma, suggest};
 use crate::Elementary;
 use crate::front::Classified;
-use crate::front::pragma::{is_for_file, is_pragma};
+use crate::front::comment::{Comment, CommentForm};
+use crate::front::pragma::{is_for_file, is_pragma, nearly};
 use crate::front::{frame, frame_words};
 
 pub use operand::{Where, block};
@@ -130,6 +131,11 @@ impl<'a> Classifier<'a, '_> {
             [code @ .., last] if last.kind == RawKind::Comment => (code, Some(*last)),
             _ => (line, None),
         };
+        if let Some(RawToken { start, end, .. }) = comment.filter(|_| self.pragmas) {
+            let form = CommentForm::Line;
+            let comment = Comment { start, end, own_line: code.is_empty(), form };
+            self.classified.diagnostics.extend(nearly(self.file, self.text, comment));
+        }
         let Some(first) = code.first().copied() else {
             return if let Some(comment) = comment {
                 self.own_comment(comment)
@@ -179,9 +185,8 @@ impl<'a> Classifier<'a, '_> {
 
     fn comment(&mut self, comment: RawToken) {
         let text = comment.text(self.text);
-        let text = text.strip_prefix("//").unwrap_or(text).trim();
-        if !text.starts_with('@') {
-            self.push(comment.range(), Tok::Comment(text));
+        if !text.starts_with("//@") {
+            self.push(comment.range(), Tok::Comment(text.strip_prefix("//").unwrap_or(text).trim()));
         }
     }
 
