@@ -45,7 +45,7 @@ pub fn operand(
                 .help(surplus_help(insn, &written, shown)),
         );
     }
-    if let Some(diagnostic) = constant_range(class, &written, shown, operand) {
+    if let Some(diagnostic) = constant_range(insn, &written, shown, operand) {
         return Some(diagnostic);
     }
     if class == OperandClass::DataBlock && matches!(shown.to_ascii_uppercase().as_str(), "DB" | "DI") {
@@ -326,8 +326,9 @@ fn loadable(value: &Literal) -> bool {
 }
 
 /// A constant of the right kind that is too large for the instruction.
-fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Operand) -> Option<Diagnostic> {
+fn constant_range(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> Option<Diagnostic> {
     let OperandKind::Literal(Literal::Int(number)) = operand.kind else { return None };
+    let class = insn.operand();
     let range = |code, label: &str, help: String| {
         Some(
             Diagnostic::new(code, operand.span, format!("`{shown}` is too large for `{written}`"))
@@ -349,10 +350,10 @@ fn constant_range(class: OperandClass, written: &str, shown: &str, operand: &Ope
                     .help(help),
             )
         }
-        // NOP and BLD do nothing, with any number.
-        OperandClass::Byte
-            if !(0..=255).contains(&number) && !matches!(written.to_ascii_uppercase().as_str(), "NOP" | "BLD") =>
-        {
+        OperandClass::Byte if insn == StlInsn::Nop && !(0..=1).contains(&number) => {
+            range(Code::LiteralRange, "not 0 or 1", format!("write `{written} 0` or `{written} 1`, which do nothing"))
+        }
+        OperandClass::Byte if !(0..=255).contains(&number) => {
             range(Code::LiteralRange, "not a byte", "write a number from 0 to 255".to_owned())
         }
         OperandClass::ShiftCount16 if !(0..=15).contains(&number) => range(

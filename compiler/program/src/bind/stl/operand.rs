@@ -94,7 +94,7 @@ impl StlBinder<'_, '_> {
         {
             self.program.numbers.insert((operand.span.file, operand.span.end), *ty);
         }
-        let bound = self.check_class(insn, class, mnemonic, operand.span, settled)?;
+        let bound = self.check_class(class, mnemonic, operand.span, settled)?;
         if let (StlInsn::EdgePositive | StlInsn::EdgeNegative, Operand::Memory { place, .. }) = (insn, &bound) {
             self.check_edge_bit(place, operand.span);
         }
@@ -209,14 +209,7 @@ impl StlBinder<'_, '_> {
         }
     }
 
-    fn check_class(
-        &mut self,
-        insn: StlInsn,
-        class: OperandClass,
-        mnemonic: Span,
-        span: Span,
-        settled: Settled,
-    ) -> Option<Operand> {
+    fn check_class(&mut self, class: OperandClass, mnemonic: Span, span: Span, settled: Settled) -> Option<Operand> {
         use OperandClass as Class;
         match (class, settled) {
             (Class::Bit | Class::BitOrNone, Settled::Memory { place: Place::Pq { .. }, width: Width::Bit, .. }) => {
@@ -328,10 +321,7 @@ impl StlBinder<'_, '_> {
                 Some(Operand::Const { value, wide: true })
             }
             (Class::Byte, Settled::Literal(literal)) => match byte_constant(literal) {
-                // NOP and BLD do nothing with any number.
-                Some(value) if value <= 255 || matches!(insn, StlInsn::Nop | StlInsn::Display) => {
-                    Some(Operand::Const { value: value.min(255), wide: false })
-                }
+                Some(value) if value <= 255 => Some(Operand::Const { value, wide: false }),
                 Some(_) => {
                     self.program.report(
                         Diagnostic::new(Code::LiteralRange, span, "this number is too large")
