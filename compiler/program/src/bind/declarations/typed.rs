@@ -71,6 +71,8 @@ pub enum Use {
     Component,
     Parameter(SectionKind),
     Static,
+    /// An element of an array or a component of a structure in static data of a block in STL.
+    StaticPart,
     Temp,
     Result,
 }
@@ -80,7 +82,8 @@ impl Use {
     pub fn inside(self, scl: bool) -> Use {
         match self {
             Use::Static | Use::Parameter(SectionKind::InOut) if scl => Use::Static,
-            _ => Use::Component,
+            Use::Static | Use::StaticPart => Use::StaticPart,
+            Use::Component | Use::Parameter(_) | Use::Temp | Use::Result => Use::Component,
         }
     }
 }

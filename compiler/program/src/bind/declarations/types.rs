@@ -203,7 +203,7 @@ impl<'a> Declarations<'a> {
             Use::Result => {
                 matches!(parameter, ParameterType::Pointer | ParameterType::Any | ParameterType::Variant)
             }
-            Use::Component | Use::Static => false,
+            Use::Component | Use::Static | Use::StaticPart => false,
         };
         if !allowed {
             self.report(
@@ -317,19 +317,24 @@ impl<'a> Declarations<'a> {
                 let possible = match used {
                     Use::Static => true,
                     Use::Parameter(section) => section == SectionKind::InOut && self.types.scope.scl,
-                    Use::Component => predefined::is_component(kind),
+                    Use::Component | Use::StaticPart => predefined::is_component(kind),
                     Use::Temp | Use::Result => false,
                 };
                 if !possible {
-                    self.report(
-                        Diagnostic::new(
-                            Code::SectionNotAllowed,
-                            span,
-                            format!("an instance of {} is not possible here", self.globals.shown(key)),
-                        )
-                        .label("only static data of a function block can be an instance")
-                        .help("declare it in VAR of a FUNCTION_BLOCK"),
-                    );
+                    let title = format!("an instance of {} is not possible here", self.globals.shown(key));
+                    let message = Diagnostic::new(Code::SectionNotAllowed, span, title);
+                    let message = match used {
+                        Use::StaticPart => {
+                            let (variable, ty) = (&self.types.scope.variable, self.globals.text(span));
+                            message.label("STL has no instances in arrays and structures").help(format!(
+                                "declare each instance as a variable of its own in VAR, such as `{variable}_1 : {ty};`"
+                            ))
+                        }
+                        Use::Component | Use::Parameter(_) | Use::Static | Use::Temp | Use::Result => message
+                            .label("only static data of a function block can be an instance")
+                            .help("declare it in VAR of a FUNCTION_BLOCK"),
+                    };
+                    self.report(message);
                     return None;
                 }
                 let bound = self.interface(key, span)?;
