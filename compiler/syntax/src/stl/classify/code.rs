@@ -215,6 +215,9 @@ impl<'a> Classifier<'a, '_> {
         } else {
             self.push(start, Tok::Insn(insn), end);
         }
+        if self.nested_operands(insn, start) {
+            return self.end_statement();
+        }
         self.operands(class);
         self.end_statement();
     }
@@ -251,6 +254,7 @@ impl<'a> Classifier<'a, '_> {
                     return self.parameters_without_call(first - 1);
                 }
                 RawKind::LeftParen if after_operand && self.index_in_parentheses(token, self.out[first].0) => continue,
+                RawKind::LeftParen if self.operand_in_parentheses(token, first) => return,
                 RawKind::LeftBracket => open_brackets += 1,
                 RawKind::RightBracket => open_brackets = open_brackets.saturating_sub(1),
                 RawKind::Word | RawKind::Equal | RawKind::RightParen

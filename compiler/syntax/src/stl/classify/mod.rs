@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   header.rs, headless.rs, declaration.rs
-//!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, foreign.rs
+//!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, foreign.rs, parentheses.rs
 //!            │          └────► values of a data block                           declaration.rs
 //!            └── statements without a header: OB 1
 //! ```
@@ -19,6 +19,7 @@ mod foreign;
 mod header;
 mod headless;
 mod operand;
+mod parentheses;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
