@@ -177,8 +177,45 @@ impl Classifier<'_, '_> {
         self.raw_at(self.at + 1).is_none_or(|next| next.first_on_line)
     }
 
+    /// `CALL FC 1 (5, 6)`: values without names, in the order of another language.
+    fn values_without_names(&mut self) -> bool {
+        const TOKENS_MAX: usize = 400;
+        let opening = self.raw[self.at];
+        let is_end = |index: &usize| match self.raw_at(*index) {
+            Some(token) => match token.kind {
+                RawKind::RightParen | RawKind::Semicolon | RawKind::Assign | RawKind::Equal => true,
+                _ => token.first_on_line && self.begins_statement(*index),
+            },
+            None => true,
+        };
+        let Some(close) = (self.at + 1..).take(TOKENS_MAX).find(is_end) else { return false };
+        let call = self.out.iter().rposition(|(_, token, _)| *token == Tok::Call);
+        let is_list = close > self.at + 1 && self.kind_at(close) == Some(RawKind::RightParen);
+        let Some(call) = call.filter(|_| is_list) else { return false };
+        let (start, first) = (self.out[call].0, self.raw[self.at + 1].start as usize);
+        let (called, end) = (self.text[start..opening.start as usize].trim(), self.raw[close].end as usize);
+        let inner = &self.text[first..self.raw[close].start as usize];
+        let value = inner.split(',').next().unwrap_or(inner).trim_end();
+        self.report(
+            Diagnostic::new(
+                Code::ForeignForm,
+                self.span_of(first, first + value.len()),
+                "a call of STL names its parameters",
+            )
+            .label("a value without a name")
+            .help(format!("write `{called} (… := {value}, …)` with the names that the block declares")),
+        );
+        self.out.truncate(call);
+        self.push(start, Tok::BadStatement, end);
+        self.at = close + 1;
+        true
+    }
+
     /// `( name := operand, … )`.
     pub(super) fn parameters(&mut self) {
+        if self.values_without_names() {
+            return;
+        }
         let opening = self.raw[self.at];
         self.take(Tok::LeftParen);
         while let Some(token) = self.peek() {
