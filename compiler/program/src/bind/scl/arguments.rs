@@ -73,7 +73,8 @@ impl SclBinder<'_, '_> {
                 (None, None) => {
                     good = false;
                     misspelt.push(String::new());
-                    self.mixed_arguments(argument.span, None);
+                    let open = self.open_input(key, parameters, given, at);
+                    self.mixed_arguments(argument.span, open);
                     continue;
                 }
             };
@@ -209,17 +210,41 @@ impl SclBinder<'_, '_> {
         None
     }
 
+    /// The parameter that the argument at `at`, which has no name, may be meant for: those that the call does not name belong to the
+    /// arguments without a name, in their order.
+    fn open_input<'p>(
+        &self,
+        key: BlockKey,
+        parameters: &'p [Parameter],
+        given: &[Given],
+        at: usize,
+    ) -> Option<&'p str> {
+        let before = given[..at].iter().filter(|argument| argument.name.is_none()).count();
+        let named = |formal: &str| {
+            given.iter().filter_map(|other| other.name.as_ref()).any(|name| fold(&name.text) == fold(formal))
+        };
+        let mut open = parameters.iter().filter(|formal| {
+            formal.direction != Direction::Output
+                && !named(&formal.name)
+                && !self.program.globals.is_shared_input(key, &formal.name)
+        });
+        open.nth(before).map(|formal| formal.name.as_str())
+    }
+
     /// An argument without a name in a call that names others; `pin`: the input that it may be meant for.
     pub(super) fn mixed_arguments(&mut self, span: Span, pin: Option<&str>) {
+        let text = self.program.globals.text(span);
+        let help = match (text.split_once('='), pin) {
+            (Some((name, value)), _) if !name.contains([':', '<', '>']) => {
+                format!("a parameter is supplied with `:=`: write `{} := {}`", name.trim(), value.trim())
+            }
+            (_, Some(pin)) => format!("write `{pin} := {text}`"),
+            (_, None) => format!("remove `{text}`: all inputs have their values"),
+        };
         self.program.report(
             Diagnostic::new(Code::MissingOperand, span, "this argument names no parameter")
                 .label("others of this call are named")
-                .help(match self.program.globals.text(span).split_once('=') {
-                    Some((name, value)) if !name.contains([':', '<', '>']) => {
-                        format!("a parameter is supplied with `:=`: write `{} := {}`", name.trim(), value.trim())
-                    }
-                    _ => format!("write `{} := {}`", pin.unwrap_or("parameter"), self.program.globals.text(span)),
-                }),
+                .help(help),
         );
     }
 

@@ -34,9 +34,17 @@ impl Pin {
 
     /// Its name in a list; of numbered pins the first two.
     fn shown(self) -> String {
+        match self.numbered {
+            true => format!("{}, {} …", self.name(), self.numbered_name(1)),
+            false => self.name().to_string(),
+        }
+    }
+
+    /// The name of the one at a position among numbered pins, from 0.
+    fn numbered_name(self, position: usize) -> String {
         let stem = self.name().trim_end_matches(|letter: char| letter.is_ascii_digit());
         match self.name()[stem.len()..].parse::<usize>() {
-            Ok(first) if self.numbered => format!("{}, {stem}{} …", self.name(), first + 1),
+            Ok(first) if self.numbered => format!("{stem}{}", first + position),
             _ => self.name().to_string(),
         }
     }
@@ -61,6 +69,20 @@ pub fn has_pin(row: &Row, name: &str) -> bool {
     row.pins.split_whitespace().map(Pin::read).any(|pin| pin.matches(name).is_some())
 }
 
+/// The input that the argument at `at`, which has no name, may be meant for: those without an argument belong to the arguments without a
+/// name, in their order.
+fn open_pin(list: &[Pin], given: &[Given], at: usize) -> Option<String> {
+    let before = given[..at].iter().filter(|argument| argument.name.is_none()).count();
+    let mut open = list.iter().filter(|pin| !pin.output).flat_map(|pin| {
+        let count = if pin.numbered { given.len() } else { 1 };
+        let is_named = move |position: usize| {
+            given.iter().filter_map(|other| other.name.as_ref()).any(|name| pin.matches(&name.text) == Some(position))
+        };
+        (0..count).filter(move |position| !is_named(*position)).map(move |position| pin.numbered_name(position))
+    });
+    open.nth(before)
+}
+
 /// Arguments of a function, each at its pin.
 pub struct Pins<'n> {
     /// Name of the pin, position among numbered ones, argument.
@@ -83,9 +105,7 @@ impl<'n> Pins<'n> {
             || self.given.iter().filter(|(name, ..)| pin.numbered && *name == pin.name()).map(|(_, at, _)| *at);
         let count = numbers().count();
         let missing = (0..count).find(|wanted| numbers().all(|at| at != *wanted))?;
-        let stem = pin.name().trim_end_matches(|letter: char| letter.is_ascii_digit());
-        let first: usize = pin.name()[stem.len()..].parse().ok()?;
-        Some(format!("{stem}{}", first + missing))
+        Some(pin.numbered_name(missing))
     }
 
     /// The arguments of numbered pins, in order of their numbers.
@@ -179,8 +199,7 @@ impl SclBinder<'_, '_> {
         let Some(name) = &argument.name else {
             if names().any(|name| !matches!(fold(&name.text).as_str(), "en" | "eno")) {
                 *good = false;
-                let open = list.iter().find(|pin| !pin.output && names().all(|name| pin.matches(&name.text).is_none()));
-                self.mixed_arguments(argument.span, open.map(|pin| pin.name()));
+                self.mixed_arguments(argument.span, open_pin(list, given, at).as_deref());
                 return None;
             }
             // The other arguments belong to numbered pins.
