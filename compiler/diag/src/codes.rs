@@ -114,7 +114,7 @@ codes! {
     TimerWithoutTime = "P0512" Warning "a timer or counter that starts without its value";
     OtherDataBlock = "P0513" Warning "an access to another data block than the one that was opened";
     Narrowing = "P0520" Warning "a value that may not fit where it goes";
-    AlwaysSame = "P0521" Warning "a comparison or division with only one outcome";
+    AlwaysSame = "P0521" Warning "a comparison or function with only one outcome";
     CaseValue = "P0522" Warning "a value of CASE that never matches";
     EndlessLoop = "P0523" Error "a loop that cannot end";
     LoopControl = "P0524" Error "EXIT or CONTINUE outside of a loop";

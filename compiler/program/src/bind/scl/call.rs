@@ -159,6 +159,7 @@ impl SclBinder<'_, '_> {
             return None;
         }
         let list = self.arguments(ctx, key, &bound, given, name)?;
+        self.check_text_position(key, &bound.interface.parameters, &list.arguments);
         if let Some(instance) = &instance
             && key.kind == BlockKind::Fb
             && let Some(id) = instance_id(ctx, instance)

@@ -321,6 +321,10 @@ impl SclBinder<'_, '_> {
     /// DEMUX: IN to the output with number K.
     fn demux(&mut self, ctx: &mut SclBlock, pins: &Pins, span: Span) -> Option<Vec<StatementKind>> {
         let selector = self.dint(ctx, pins.get("K")?);
+        if let Some(selector) = &selector {
+            let otherwise = pins.get("OUTELSE").map(|node| node.span);
+            self.check_selector(selector, "OUT", pins.numbered("OUT0").len(), otherwise);
+        }
         let value = self.value(ctx, pins.get("IN")?)?;
         let value = self.own_type(ctx, value)?;
         let mut code = Vec::new();

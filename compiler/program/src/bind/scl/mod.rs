@@ -9,7 +9,7 @@
 //! - `call`: calls; `callee`: what they name; `instance`: instances in them; `unknown_function`: names without a meaning; `arguments`,
 //!   `actual`, `pointer`: what they pass.
 //! - `function`: the functions of the language, one table row each; `pins`: their arguments; `number`, `timer`, `memory`, `array`, `text`:
-//!   what they compute.
+//!   what they compute; `known`: constants with which they cannot.
 //! - `variant`: queries of a VARIANT.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these report.
 //! - `address_numbers`: operands in charts of S7-GRAPH V5; `scope`: what is known of a block while its statements are bound.
@@ -38,6 +38,7 @@ mod habits;
 mod iec_timer;
 mod indexed;
 mod instance;
+mod known;
 mod memory;
 pub(in crate::bind) mod message;
 pub(in crate::bind) mod naming;

@@ -152,6 +152,7 @@ impl SclBinder<'_, '_> {
         span: Span,
     ) -> Option<Expr> {
         let value = self.float_value(ctx, node, suffix)?;
+        self.check_domain(function, &value);
         let ty = value.ty;
         Some(computed(function, vec![value], ty, span))
     }
@@ -231,6 +232,9 @@ impl SclBinder<'_, '_> {
         let selector = self.count_value(ctx, pins.get("K")?, "write the number of an input: 0 for IN0");
         let mut nodes = pins.numbered("IN0");
         let otherwise = pins.get("INELSE");
+        if let Some(selector) = &selector {
+            self.check_selector(selector, "IN", nodes.len(), otherwise.map(|node| node.span));
+        }
         nodes.extend(otherwise);
         let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
@@ -338,6 +342,7 @@ impl SclBinder<'_, '_> {
         if !ty.is_integer() && (!ty.is_float() || ctx.scope.rules.is_300()) {
             return self.bad_suffix(row, ty, pins.name);
         }
+        self.check_converted(&value, ty);
         let conversion = convert::rounding(ctx.scope.rules, row.name)?;
         Some(Expr { span, ..convert::rounded(value, conversion, ty) })
     }
@@ -506,6 +511,7 @@ impl SclBinder<'_, '_> {
         span: Span,
     ) -> Option<Value> {
         let node = self.only_argument(ctx, given, span)?;
+        let told = self.program.globals.report.diagnostics.len();
         let value = match from {
             Some(from) => self.of_type(ctx, node, from)?,
             None => {
@@ -520,6 +526,10 @@ impl SclBinder<'_, '_> {
                 }
             }
         };
+        // A constant that does not even fit the type before is reported.
+        if told == self.program.globals.report.diagnostics.len() {
+            self.check_converted(&value, to);
+        }
         let from = value.ty;
         match convert::explicit_expr(ctx.scope.rules, value, to) {
             Some(expr) => Some(Value::Elementary(Expr { span, ..expr })),

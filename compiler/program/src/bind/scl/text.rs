@@ -159,6 +159,7 @@ impl SclBinder<'_, '_> {
             }
             _ => {}
         }
+        self.check_digits(ctx, node, to);
         let value = self.value(ctx, node)?;
         let own = type_word(&value);
         let from = if from == ANY_TYPE { own.as_deref().unwrap_or_default() } else { from };
