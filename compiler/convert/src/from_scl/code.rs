@@ -55,8 +55,13 @@ impl Maker<'_> {
     }
 
     pub fn new_label(&mut self) -> String {
-        self.made_labels += 1;
-        format!("_{:03}", self.made_labels)
+        loop {
+            self.made_labels += 1;
+            let name = format!("_{:03}", self.made_labels);
+            if !self.other_labels.contains(&name) {
+                return name;
+            }
+        }
     }
 
     pub fn jump(&mut self, insn: StlInsn, label: &str) {
@@ -116,12 +121,13 @@ impl Maker<'_> {
 
     /// Declares the variables of the block; what an FC or OB of SCL has as static data is temporary.
     pub fn declare(&self, block: &mut CodeBlock) {
-        if matches!(block.kind, CodeKind::Fc | CodeKind::Ob | CodeKind::Sfc) {
+        let is_whole = matches!(self.tree.code, ast::Code::Scl(_));
+        if is_whole && matches!(block.kind, CodeKind::Fc | CodeKind::Ob | CodeKind::Sfc) {
             let own = block.sections.iter_mut().filter(|section| section.kind == SectionKind::Static);
             own.for_each(|section| section.kind = SectionKind::Temp);
         }
         // The statements have their values.
-        if !block.sections.iter().flat_map(|section| &section.variables).any(names_constants) {
+        if is_whole && !block.sections.iter().flat_map(|section| &section.variables).any(names_constants) {
             block.constants.clear();
         }
         if self.temporaries.is_empty() {

@@ -5,8 +5,9 @@
 //! - `control`: IF, CASE, loops, jumps; `value`: numbers in ACCU1; `convert`: conversions; `logic`: BOOLs in the RLO.
 //! - `call`: calls of blocks; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
+//! - `networks`: networks in SCL among those of LAD and FBD.
 //!
-//! Each statement of the block is a network, whose title is the first line of the statement.
+//! Each statement of a block in SCL is a network, whose title is the first line of the statement.
 //!
 //! Source: SCL reference, statements and operators; STL reference.
 
@@ -17,11 +18,12 @@ mod code;
 mod control;
 mod convert;
 mod logic;
+mod networks;
 mod place;
 mod position;
 mod value;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::{Code, Diagnostic, Span};
@@ -38,13 +40,19 @@ use code::Temporary;
 use control::Loop;
 use position::Positions;
 
-/// A source whose blocks in SCL are STL; the others stay as they are. `text`, `comments`: what the spans of the tree mean.
+pub(crate) use networks::does_nothing;
+pub use networks::has_statements;
+
+/// A source whose blocks in SCL are STL, and so are the networks in SCL among those of LAD and FBD; the rest stays as it is.
+/// `text`, `comments`: what the spans of the tree mean.
 pub fn unit(unit: &SourceUnit, program: &Program, text: &str, comments: &[Comment]) -> (SourceUnit, Vec<Diagnostic>) {
     let mut made = unit.clone();
     let mut messages = Vec::new();
     for block in &mut made.blocks {
         let Block::Code(tree) = block else { continue };
-        let ast::Code::Scl(body) = &tree.code else { continue };
+        if !has_statements(&tree.code) {
+            continue;
+        }
         let bound = program.blocks.iter().find(|block| !block.library && block.span == tree.name.span());
         let Some((bound, typed)) = bound.and_then(|block| match &block.body {
             Body::Scl(typed) => Some((block, typed)),
@@ -57,14 +65,15 @@ pub fn unit(unit: &SourceUnit, program: &Program, text: &str, comments: &[Commen
             );
             continue;
         };
-        let positions = Positions::new(text, comments, body);
+        let positions = Positions::new(text, comments, &networks::lists(&tree.code));
         let mut maker = Maker::new(program, bound, typed, tree, positions);
-        let networks = maker.networks();
+        let code = maker.code();
         let refused = maker.messages.iter().any(Diagnostic::is_error);
         messages.append(&mut maker.messages);
-        if !refused {
+        // A network that is refused has its message.
+        if !refused || matches!(tree.code, ast::Code::Graphic(_)) {
             let mut done = tree.clone();
-            done.code = ast::Code::Stl(networks);
+            done.code = code;
             maker.declare(&mut done);
             *tree = done;
         }
@@ -84,6 +93,8 @@ struct Maker<'a> {
     pending: Vec<ast::Label>,
     made_labels: usize,
     labels: HashMap<LabelId, String>,
+    /// Labels of other networks of the block, by their folded names.
+    other_labels: HashSet<String>,
     temporaries: Vec<Temporary>,
     /// What is converted.
     span: Span,
@@ -127,10 +138,12 @@ impl<'a> Maker<'a> {
             pending: Vec::new(),
             made_labels: 0,
             labels: HashMap::new(),
+            other_labels: HashSet::new(),
             temporaries: Vec::new(),
             span: tree.name.span(),
             messages: Vec::new(),
-            is_portal: matches!(&tree.code, ast::Code::Scl(body) if body.dialect == Dialect::Tia),
+            // Only blocks of the TIA Portal have networks in SCL.
+            is_portal: !matches!(&tree.code, ast::Code::Scl(body) if body.dialect != Dialect::Tia),
             refused: false,
             warned_of_indices: false,
             loops: Vec::new(),
@@ -140,6 +153,15 @@ impl<'a> Maker<'a> {
             hidden: HashMap::new(),
             flag: None,
             last_eno: None,
+        }
+    }
+
+    /// The code of the block without statements of SCL.
+    fn code(&mut self) -> ast::Code {
+        let tree = self.tree;
+        match &tree.code {
+            ast::Code::Graphic(body) => ast::Code::Graphic(self.among_networks(body)),
+            ast::Code::Scl(_) | ast::Code::Stl(_) | ast::Code::Chart(_) => ast::Code::Stl(self.networks()),
         }
     }
 
@@ -171,12 +193,18 @@ impl<'a> Maker<'a> {
         }
     }
 
-    /// What holds for the whole block.
-    fn check_block(&mut self) {
-        let span = self.tree.name.span();
+    /// The CPU must have STL.
+    fn check_cpu(&mut self) {
         if self.program.profile.family == Family::S71200 {
+            let span = self.tree.name.span();
             self.refuse(span, "a block of an S7-1200, which has no STL", "name a CPU that has it: `--cpu s7-1500`");
         }
+    }
+
+    /// What holds for the whole block.
+    fn check_block(&mut self) {
+        self.check_cpu();
+        let span = self.tree.name.span();
         if self.body.sets_flag {
             let help = "without them: leave out the attribute that sets OK or ENO, and do not read it";
             self.refuse(span, "OK and ENO that follow the errors of operations", help);

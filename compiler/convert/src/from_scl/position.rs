@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use plcc_diag::Span;
 use plcc_syntax::ast::CodeBlock;
 use plcc_syntax::front::{Comment, CommentForm};
-use plcc_syntax::scl::ast::{Body, Statement, StatementKind};
+use plcc_syntax::scl::ast::{Statement, StatementKind};
 
 /// Titles of networks are not longer.
 const TITLE_MAX: usize = 64;
@@ -28,9 +28,10 @@ pub struct Compound {
 }
 
 impl<'a> Positions<'a> {
-    pub fn new(text: &'a str, comments: &'a [Comment], body: &Body) -> Positions<'a> {
+    /// `lists`: the statements of the block.
+    pub fn new(text: &'a str, comments: &'a [Comment], lists: &[&[Statement]]) -> Positions<'a> {
         let mut positions = Positions { text, comments, compound: HashMap::new() };
-        positions.add(&body.statements);
+        lists.iter().for_each(|list| positions.add(list));
         positions
     }
 

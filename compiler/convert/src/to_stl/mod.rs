@@ -30,6 +30,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::network::ast::{Body, Content, Graph, NetId, Network};
 use plcc_syntax::stl::StlInsn;
 
+use crate::from_scl::does_nothing;
 use logic::Logic;
 use plan::Plan;
 use types::Types;
@@ -53,12 +54,11 @@ pub fn unit(unit: &SourceUnit, types: &Types, keeps_br: bool) -> (SourceUnit, Ve
 ///
 /// `keeps_br`: the CPU has a BR, so that ENO of the block is that of its last box; otherwise ENO of a block is 1 unless RET says more.
 pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> Result<CodeBlock, Vec<Diagnostic>> {
-    let labels = body.networks.iter().flat_map(|network| &network.labels);
     let mut maker = Maker {
         types,
         block,
         keeps_br,
-        labels: labels.map(|label| (label.text.to_lowercase(), label.text.clone())).collect(),
+        labels: labels_of(body),
         made_labels: 0,
         temporaries: Vec::new(),
         used: HashSet::new(),
@@ -92,6 +92,21 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
     made.code = ast::Code::Stl(networks);
     maker.declare(&mut made);
     Ok(made)
+}
+
+/// Labels of a block by their folded names.
+fn labels_of(body: &Body) -> HashMap<String, String> {
+    let mut labels = HashMap::new();
+    for network in &body.networks {
+        let own = network.labels.iter().map(|label| &label.text);
+        let statements = match &network.content {
+            Content::Stl(list) => list.as_slice(),
+            Content::Graphic(_) | Content::Scl(_) => &[],
+        };
+        let inside = statements.iter().filter_map(|statement| statement.label.as_ref()).map(|label| &label.name);
+        labels.extend(own.chain(inside).map(|label| (label.to_lowercase(), label.clone())));
+    }
+    labels
 }
 
 /// What is made of one block.
@@ -139,12 +154,17 @@ impl Maker<'_> {
             Content::Stl(list) => {
                 for statement in list {
                     let mut statement = statement.clone();
-                    if statement.label.is_none() {
-                        statement.label = self.pending.pop().map(Box::new);
+                    match statement.label {
+                        Some(_) => self.close_labels(),
+                        None => statement.label = self.pending.pop().map(Box::new),
                     }
+                    // ENO of the block does not follow the blocks that they call.
+                    self.sets_br |= matches!(statement.kind, StatementKind::Call(_));
                     self.statements.push(statement);
                 }
             }
+            // Its assertions are comments.
+            Content::Scl(list) if does_nothing(list) => {}
             Content::Scl(_) => self.refuse(
                 network.span,
                 "a network in SCL among those of LAD and FBD",

@@ -255,7 +255,7 @@ fn other_family(unit: &SourceUnit, to: ConvertTo) -> Diagnostic {
 
 /// STL is made of SCL, whose names and types are those of the program.
 fn has_scl_for_stl(to: ConvertTo, parsed: &pipeline::Parsed) -> bool {
-    let is_scl = |block: &Block| matches!(block, Block::Code(block) if matches!(block.code, Code::Scl(_)));
+    let is_scl = |block: &Block| matches!(block, Block::Code(block) if from_scl::has_statements(&block.code));
     to == ConvertTo::Stl && parsed.units.iter().any(|(_, unit)| unit.blocks.iter().any(is_scl))
 }
 

@@ -107,6 +107,88 @@ fn scl_as_stl_does_the_same() {
     assert_eq!(plcc(folder, &["test", "average.stl", "calls.stl"]).status.code(), Some(1));
 }
 
+/// Networks in SCL stay among those of LAD; one with nothing but an assertion needs no statements.
+#[test]
+fn networks_in_scl_become_statements_among_the_others() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = r#"//@ cpu s7-1500
+FUNCTION Mixed : Int
+    VAR_INPUT
+        up : Bool;
+        count : Int;
+    END_VAR
+    VAR_TEMP
+        sum : Int;
+        i : Int;
+        even : Bool;
+    END_VAR
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail  Move( in := 60, out1 => #sum )  END_RUNG
+    RUNG wire#powerrail  Contact( #up )  Add{ SrcType := Int }( in1 := #sum, in2 := 1, out => #sum )  END_RUNG
+END_NETWORK
+{ S7_Language := "SCL" }
+NETWORK
+    // Twice for each.
+    FOR #i := 1 TO #count DO
+        IF #up THEN
+            #sum := #sum + 2;
+        ELSE
+            #sum := #sum - 2;
+        END_IF;
+    END_FOR;
+    #even := #sum MOD 2 = 0;
+END_NETWORK
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail  Contact( #even )  Sub{ SrcType := Int }( in1 := #sum, in2 := 100, out => #sum )  END_RUNG
+END_NETWORK
+{ S7_Language := "SCL" }
+NETWORK
+    #Mixed := #sum;
+END_NETWORK
+END_FUNCTION
+
+ORGANIZATION_BLOCK Main
+    VAR_TEMP
+        n : Int;
+    END_VAR
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail  "Mixed"( up := TRUE, count := 3, ret_val => #n )  END_RUNG
+END_NETWORK
+{ S7_Language := "SCL" }
+NETWORK
+    //@ assert #n == 67
+END_NETWORK
+{ S7_Language := "SCL" }
+NETWORK
+    #n := "Mixed"(up := FALSE, count := 2) + 1;
+    //@ assert #n == -43
+END_NETWORK
+END_ORGANIZATION_BLOCK
+"#;
+    fs::write(folder.join("mixed.s7dcl"), source).expect("the folder can be written");
+    let convert = || plcc(folder, &["convert", "mixed.s7dcl", "--to", "stl", "-o", "mixed.stl"]);
+    let made = convert();
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    for name in ["mixed.s7dcl", "mixed.stl"] {
+        let tested = plcc(folder, &["test", name]);
+        let shown = text(&tested.stdout);
+        assert!(tested.status.success() && shown.contains("2 passed"), "{name}: {shown}{}", text(&tested.stderr));
+    }
+    // What the other networks depend on is refused.
+    for (line, says) in [("IF #up THEN RETURN; END_IF;", "a jump out of"), ("ENO := #up;", "ENO in")] {
+        let source = source.replace("#Mixed := #sum;", &format!("#Mixed := #sum;\n    {line}"));
+        fs::write(folder.join("mixed.s7dcl"), source).expect("the folder can be written");
+        let refused = convert();
+        let shown = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(3), "{shown}");
+        assert!(shown.contains(says) && shown.matches("error[").count() == 1, "{shown}");
+    }
+}
+
 /// Types in the letters of their author, words of the language as names, and signs after operators, also by way of an export.
 #[test]
 fn scl_comes_back_as_its_author_wrote_it() {

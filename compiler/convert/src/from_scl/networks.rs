@@ -1,0 +1,109 @@
+//! Networks in SCL among those of LAD and FBD: each becomes a network in STL, which stays among the others.
+
+use plcc_abi::image::Family;
+use plcc_diag::Span;
+use plcc_model::scl::{Statement, StatementKind, walk};
+use plcc_syntax::ast::Code;
+use plcc_syntax::network::ast::{Body, Content};
+use plcc_syntax::scl::ast as syntax;
+
+use super::{Maker, Seen};
+
+/// Whether the code of a block has statements of SCL, whose meaning only the bound program tells.
+pub fn has_statements(code: &Code) -> bool {
+    !lists(code).is_empty()
+}
+
+/// The lists of statements of SCL in the code of a block; networks with nothing but assertions are none.
+pub(super) fn lists(code: &Code) -> Vec<&[syntax::Statement]> {
+    match code {
+        Code::Scl(body) => vec![body.statements.as_slice()],
+        Code::Graphic(body) => body
+            .networks
+            .iter()
+            .filter_map(|network| match &network.content {
+                Content::Scl(list) if !does_nothing(list) => Some(list.as_slice()),
+                Content::Scl(_) | Content::Graphic(_) | Content::Stl(_) => None,
+            })
+            .collect(),
+        Code::Stl(_) | Code::Chart(_) => Vec::new(),
+    }
+}
+
+/// There are assertions at most.
+pub(crate) fn does_nothing(list: &[syntax::Statement]) -> bool {
+    list.iter()
+        .all(|statement| matches!(statement.kind, syntax::StatementKind::Empty | syntax::StatementKind::Pragma(_)))
+}
+
+impl Maker<'_> {
+    /// The networks of a block of LAD and FBD, those in SCL in STL.
+    pub(super) fn among_networks(&mut self, body: &Body) -> Body {
+        self.check_cpu();
+        let mut made = body.clone();
+        for network in &body.networks {
+            self.other_labels.extend(network.labels.iter().map(|label| label.text.to_lowercase()));
+            if let Content::Stl(list) = &network.content {
+                let labels = list.iter().filter_map(|statement| statement.label.as_ref());
+                self.other_labels.extend(labels.map(|label| label.name.to_lowercase()));
+            }
+        }
+        let typed = self.body;
+        for network in &mut made.networks {
+            let Content::Scl(list) = &network.content else { continue };
+            if does_nothing(list) {
+                continue;
+            }
+            let statements = bound(list, &typed.statements);
+            self.refused = false;
+            // Another network has others at the same places.
+            self.hidden.clear();
+            self.check_network(statements, network.span);
+            if !self.refused {
+                for statement in statements {
+                    self.span = statement.span;
+                    self.statement(statement);
+                }
+                self.close_labels();
+            }
+            network.content = Content::Stl(std::mem::take(&mut self.statements));
+        }
+        made
+    }
+
+    /// What a network in STL cannot do for the others.
+    fn check_network(&mut self, statements: &[Statement], span: Span) {
+        if statements.is_empty() {
+            return self.refuse(span, "a network in SCL without a meaning here", "repair the network first");
+        }
+        let jump = walk::find(statements, &|statement: &Statement| {
+            let jumps =
+                matches!(statement.kind, StatementKind::Goto(_) | StatementKind::Label(_) | StatementKind::Return(_));
+            jumps.then_some(statement.span)
+        });
+        if let Some(span) = jump {
+            let help = "write the jump or the RETURN as a network in LAD";
+            return self.refuse(span, "a jump out of a network in SCL", help);
+        }
+        let mut seen = Seen::default();
+        walk::statements(statements, &mut seen);
+        if seen.flag || seen.last_eno {
+            return self.refuse(span, "ENO in a network in SCL", "set ENO of the block with RET in LAD");
+        }
+        if seen.calls && matches!(self.program.profile.family, Family::S7300 | Family::S7400) {
+            // There BR is ENO of the block, which a call in SCL leaves as it is.
+            self.refuse(span, "a call in a network in SCL on this CPU", "write the call in LAD");
+        }
+    }
+}
+
+/// The statements of the typed tree that a list means.
+fn bound<'t>(list: &[syntax::Statement], typed: &'t [Statement]) -> &'t [Statement] {
+    let (Some(first), Some(last)) = (list.first(), list.last()) else { return &[] };
+    let range = first.span.start..last.span.end;
+    let is_own = |statement: &Statement| range.contains(&statement.span.start);
+    match (typed.iter().position(is_own), typed.iter().rposition(is_own)) {
+        (Some(from), Some(to)) => &typed[from..=to],
+        _ => &[],
+    }
+}
