@@ -175,3 +175,15 @@ fn networks_as_statements_do_the_same() {
     assert!(failed.is_empty(), "{} files:\n{}", failed.len(), failed.join("\n\n"));
     assert!(count > 30, "only {count} blocks");
 }
+
+/// Files of which no block stays in its language.
+#[test]
+fn whole_files_are_converted() {
+    const FILES: [&str; 2] = ["addresses_take_the_type", "wires_of_boxes_that_are_off"];
+    for name in FILES {
+        let text = fs::read_to_string(tests_folder().join(format!("run/lad-fbd/{name}.s7dcl"))).expect("a test file");
+        let keeps_br = text.contains("//@ cpu s7-300");
+        let made = as_stl(&text, &[], &[], keeps_br);
+        assert!(made.blocks > 0 && made.refused.is_empty(), "{name}: {:?}", made.refused);
+    }
+}

@@ -62,6 +62,12 @@ impl Maker<'_> {
         }
     }
 
+    /// The type of an operand at a pin of type `ty`: an absolute address of its width has that type.
+    fn type_at(&self, kind: &OperandKind, ty: Elementary) -> Option<Elementary> {
+        let of_width = |own: Elementary| if own.bits() == ty.bits() { ty } else { own };
+        self.types.of(kind, self.block).or_else(|| width_type(kind).map(of_width))
+    }
+
     /// Loads an input.
     pub fn load_pin(&mut self, graph: &Graph, at: usize, name: &str, ty: Elementary) {
         for (insn, operand) in self.load(graph, at, name, ty).unwrap_or_default() {
@@ -103,7 +109,7 @@ impl Maker<'_> {
                     );
                     return None;
                 };
-                let from = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
+                let from = self.type_at(&operand.kind, ty);
                 (operand, from)
             }
             Some(PinValue::Net(net)) => match self.typed.get(net) {
@@ -142,8 +148,7 @@ impl Maker<'_> {
             match &pin.value {
                 PinValue::Operand(value) => {
                     let Some(operand) = self.operand(value) else { return };
-                    let known = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
-                    let Some(to) = known else { return self.unknown_type(element) };
+                    let Some(to) = self.type_at(&operand.kind, ty) else { return self.unknown_type(element) };
                     let Some(conversion) = self.conversion(ty, to, value.span) else { return };
                     conversion.iter().for_each(|insn| self.push(*insn, None));
                     self.push(StlInsn::Transfer, Some(operand));
