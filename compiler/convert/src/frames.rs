@@ -35,7 +35,8 @@ impl Writer<'_> {
             Code::Stl(networks) => {
                 networks.iter().flat_map(|network| &network.statements).next().map(|one| one.span.start)
             }
-            Code::Graphic(_) | Code::Chart(_) => None,
+            Code::Graphic(body) => body.networks.first().map(|network| network.span.start),
+            Code::Chart(_) => None,
         };
         let begin = self.trivia.word("BEGIN", block.name.span().end, first.unwrap_or(block.span.end));
         let start = block.sections.iter().map(|section| section.span.start).min().or(begin);
@@ -133,7 +134,8 @@ impl Writer<'_> {
         }
         let attributes = header.attributes.iter().filter_map(|(key, value)| match key.as_str() {
             // SIMATIC SD has them as attributes, sources as text.
-            "S7_Version" | "S7_PreferredLanguage" if self.notation == Notation::Stl => None,
+            "S7_Version" if self.notation == Notation::Stl => None,
+            "S7_PreferredLanguage" if matches!(self.notation, Notation::Stl | Notation::Scl) => None,
             "S7_Optimized" => Some(attribute("S7_Optimized_Access", value)),
             key => Some(attribute(key, value)),
         });

@@ -1,4 +1,4 @@
-//! Sources in SCL, from trees of blocks whose statements are SCL.
+//! Sources in SCL, from trees of blocks whose statements, or networks, are SCL.
 
 pub mod expression;
 mod statement;
@@ -7,6 +7,7 @@ use std::collections::HashSet;
 
 use plcc_diag::Diagnostic;
 use plcc_syntax::ast::{Block, Code, CodeBlock, SourceUnit};
+use plcc_syntax::network::ast::{Content, Network};
 use plcc_syntax::scl::ast::Body;
 use plcc_syntax::stl::Mnemonics;
 
@@ -41,6 +42,7 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Ot
         match block {
             Block::Code(code) => match &code.code {
                 Code::Scl(body) => writer.scl_block(code, body),
+                Code::Graphic(body) if is_scl(&body.networks) => writer.scl_networks(code, &body.networks),
                 Code::Stl(_) | Code::Graphic(_) | Code::Chart(_) => {
                     let title = format!("{} is not in SCL", writer.block_name(&code.name));
                     match others {
@@ -59,7 +61,29 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Ot
     (writer.out.into_text(), writer.messages)
 }
 
+/// Whether all networks of a block are in SCL.
+fn is_scl(networks: &[Network]) -> bool {
+    !networks.is_empty() && networks.iter().all(|network| matches!(network.content, Content::Scl(_)))
+}
+
 impl Writer<'_> {
+    /// A block of networks in SCL; what they say about themselves becomes comments.
+    fn scl_networks(&mut self, block: &CodeBlock, networks: &[Network]) {
+        self.code_frame(block, |writer| {
+            writer.out.indent();
+            for network in networks {
+                writer.remarks_before(network.span.start);
+                let texts = network.title.iter().chain(&network.comment).flat_map(|text| text.lines());
+                texts.for_each(|line| writer.out.line(format!("// {line}")));
+                if let Content::Scl(statements) = &network.content {
+                    writer.statements(statements);
+                }
+            }
+            writer.remarks_before(block.span.end);
+            writer.out.dedent();
+        });
+    }
+
     pub(crate) fn scl_block(&mut self, block: &CodeBlock, body: &Body) {
         self.code_frame(block, |writer| {
             writer.out.indent();

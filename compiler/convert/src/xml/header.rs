@@ -114,7 +114,7 @@ pub(super) fn number_in(header: &Header) -> Option<u32> {
 }
 
 /// A text of a header by one of the names that sources have for it.
-fn attribute<'h>(header: &'h Header, names: &[&str]) -> Option<&'h str> {
+pub(super) fn attribute<'h>(header: &'h Header, names: &[&str]) -> Option<&'h str> {
     let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
     header.attributes.iter().find(named).map(|(_, value)| value.as_str())
 }

@@ -37,7 +37,7 @@ use crate::frames::bare;
 use crate::node::{self, Node};
 use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
-use header::{attributes, check_header, standard_remanence};
+use header::{attribute, attributes, check_header, standard_remanence};
 use library::{name_of, referred};
 
 /// The text of a comment. Only `//@` is an assertion; another comment that begins with `@` keeps its brackets.
@@ -222,7 +222,7 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
                 let end = body.networks.get(at + 1).map_or(block.span.end, |next| next.span.start);
                 units.extend(network_units(network, block, library, end, ids, writer));
             }
-            body.networks.first().map_or("LAD", |network| language_name(network.language))
+            block_language(&block.header, &body.networks)
         }
         Code::Chart(chart) => {
             units.push(chart::compile_unit(chart, block, library, ids, writer)?);
@@ -237,6 +237,16 @@ fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids
         chart::settings(chart, &mut attributes, writer);
     }
     Some(Node::new(kind).with("ID", ids.next()).child(attributes).child(list))
+}
+
+/// The language of a block of networks, which may have some in SCL between those of LAD and FBD.
+fn block_language(header: &Header, networks: &[Network]) -> &'static str {
+    let drawn = networks.iter().find(|network| matches!(network.language, Language::Lad | Language::Fbd));
+    let said = attribute(header, &["S7_PreferredLanguage"]);
+    let said = ["LAD", "FBD"].into_iter().find(|name| said.is_some_and(|said| said.eq_ignore_ascii_case(name)));
+    // A block in SCL is one text.
+    let alone = networks.first().filter(|_| networks.len() == 1).map(|network| language_name(network.language));
+    drawn.map(|network| language_name(network.language)).or(said).or(alone).unwrap_or("LAD")
 }
 
 fn language_name(language: Language) -> &'static str {

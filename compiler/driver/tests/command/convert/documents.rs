@@ -150,6 +150,40 @@ fn data_stay_retentive_or_not() {
     assert!(said.contains("the file does not say that the data of `One` are not retentive"), "{said}");
 }
 
+/// A block of networks in SCL is one in SCL, and has the titles of its networks as comments.
+#[test]
+fn networks_in_scl_become_scl() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let convert = |from: &str, to: &str| {
+        let output = plcc(folder, &["convert", from, "--to", to]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let source = "FUNCTION \"Half\" : Int\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_INPUT\n    \
+                  k : Int;                    // of k\nEND_VAR\nBEGIN\n    // half of it\n    IF #k > 0 THEN\n        \
+                  #Half := #k / 2;        // half\n    END_IF;\n    // end\nEND_FUNCTION\n\n\
+                  ORGANIZATION_BLOCK \"Main\"\nBEGIN\n    %MW0 := \"Half\"(k := 4);\n    //@ assert %MW0 == 2\n\
+                  END_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    fs::write(folder.join("a.s7dcl"), convert("a.scl", "sd")).expect("the folder can be written");
+    assert_eq!(convert("a.s7dcl", "scl"), source);
+
+    let document = "{ S7_PreferredLanguage := \"LAD\" }\nFUNCTION Both : Void\n    \
+                    { S7_NetworkTitle := \"MLC_1\"; S7_Language := \"SCL\" }\n    NETWORK\n        // begin\n        \
+                    %MW0 := 1;\n    END_NETWORK\n    // between\n    { S7_Language := \"SCL\" }\n    NETWORK\n        \
+                    %MW2 := 2;\n    END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("b.s7dcl"), document).expect("the folder can be written");
+    fs::write(folder.join("b.s7res"), "MultiLingualTexts:\n  - id: MLC_1\n    en-US: First\n")
+        .expect("it can be written");
+    let wanted = "FUNCTION \"Both\" : Void\nBEGIN\n    // First\n    // begin\n    %MW0 := 1;\n    // between\n    \
+                  %MW2 := 2;\nEND_FUNCTION\n";
+    assert_eq!(convert("b.s7dcl", "scl"), wanted);
+    // In XML it has networks of its own, which a block in SCL has not.
+    let document = convert("b.s7dcl", "xml");
+    assert!(document.contains("<Name>Both</Name>\n      <ProgrammingLanguage>LAD</ProgrammingLanguage>"), "{document}");
+}
+
 /// Types of the program need no quotes in SIMATIC SD, and keep their letters where they need them.
 #[test]
 fn types_of_the_program_are_in_quotes() {
