@@ -84,6 +84,60 @@ impl Signal {
     }
 }
 
+/// An exclusive OR becomes no more contacts than that.
+const CONTACTS_MAX: usize = 64;
+
+impl Signal {
+    /// The signal and its inverse without exclusive OR: `a XOR b` is `a AND NOT b OR NOT a AND b`. None: it has a part that cannot be
+    /// evaluated twice, or becomes too many contacts.
+    fn polarities(&self) -> Option<(Signal, Signal)> {
+        let each = |list: &[Signal]| -> Option<(Vec<Signal>, Vec<Signal>)> {
+            list.iter().map(Signal::polarities).collect::<Option<Vec<_>>>().map(|pairs| pairs.into_iter().unzip())
+        };
+        match self {
+            Signal::Operand(_) | Signal::Compare { .. } | Signal::Flag { .. } | Signal::Element(_) | Signal::Net(_) => {
+                Some((self.clone(), self.clone().inverted()))
+            }
+            Signal::Not(inner) => inner.polarities().map(|(yes, no)| (no, yes)),
+            Signal::And(list) => each(list).map(|(yes, no)| (Signal::and(yes), Signal::or(no))),
+            Signal::Or(list) => each(list).map(|(yes, no)| (Signal::or(yes), Signal::and(no))),
+            Signal::Xor(list) => {
+                let (first, rest) = list.split_first()?;
+                let (mut yes, mut no) = first.polarities()?;
+                for one in rest {
+                    let (own, inverse) = one.polarities()?;
+                    let either = |a: [&Signal; 2], b: [&Signal; 2]| {
+                        Signal::or([a, b].map(|pair| Signal::and(pair.map(Signal::clone).to_vec())).to_vec())
+                    };
+                    let differs = either([&yes, &inverse], [&no, &own]);
+                    no = either([&yes, &own], [&no, &inverse]);
+                    yes = differs;
+                    if yes.contacts() > CONTACTS_MAX {
+                        return None;
+                    }
+                }
+                Some((yes, no))
+            }
+            Signal::Constant(_) | Signal::Edge { .. } => None,
+        }
+    }
+
+    /// How many contacts it has.
+    fn contacts(&self) -> usize {
+        match self {
+            Signal::And(list) | Signal::Or(list) | Signal::Xor(list) => list.iter().map(Signal::contacts).sum(),
+            Signal::Not(inner) => inner.contacts(),
+            Signal::Constant(_)
+            | Signal::Operand(_)
+            | Signal::Compare { .. }
+            | Signal::Edge { .. }
+            | Signal::Flag { .. }
+            | Signal::Element(_)
+            | Signal::Net(_) => 1,
+        }
+    }
+}
+
 /// Why a signal cannot be drawn.
 pub type Reason = String;
 
@@ -266,13 +320,9 @@ impl Drawing {
                 }
                 Ok(net)
             }
-            Signal::Xor(list) => match &list[..] {
-                [a @ (Signal::Operand(_) | Signal::Not(_)), b @ (Signal::Operand(_) | Signal::Not(_))] => {
-                    let one = Signal::And(vec![a.clone(), b.clone().inverted()]);
-                    let other = Signal::And(vec![a.clone().inverted(), b.clone()]);
-                    self.contacts(&Signal::Or(vec![one, other]), from, into)
-                }
-                _ => Err("an exclusive OR of branches".to_string()),
+            Signal::Xor(_) => match signal.polarities() {
+                Some((branches, _)) => self.contacts(&branches, from, into),
+                None => Err("an exclusive OR of edges or of this many contacts".to_string()),
             },
             Signal::Compare { element, ty, left, right, span } => {
                 let (left, right) = (PinValue::Operand(left.clone()), PinValue::Operand(right.clone()));
