@@ -71,6 +71,7 @@ fn complete_header(block: &mut Block, frame: &Frame, texts: &mut texts::Lookup, 
             }
             () if attribute.is("S7_Author") => header.author = value(),
             () if attribute.is("S7_Family") => header.family = value(),
+            () if attribute.is("S7_HeaderName") => header.name = value(),
             () if attribute.is("S7_Version") => header.version = value(),
             // Without a number, the project chooses one.
             () if attribute.is("S7_BlockNumber") && matches!(attribute.value.as_str(), "" | "0") => {}

@@ -33,6 +33,7 @@ const ATTRIBUTES: &[(&str, &[&str])] = &[
     ("S7_Version", &[]),
     ("S7_Author", &[]),
     ("S7_Family", &[]),
+    ("S7_HeaderName", &[]),
     ("S7_BlockTitle", &[]),
     ("S7_BlockComment", &[]),
     ("S7_NetworkTitle", &[]),

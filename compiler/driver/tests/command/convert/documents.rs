@@ -150,6 +150,21 @@ fn data_stay_retentive_or_not() {
     assert!(said.contains("the file does not say that the data of `One` are not retentive"), "{said}");
 }
 
+/// The names in the header of a block come back from XML.
+#[test]
+fn headers_of_documents_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "{ S7_Author := \"Ann\"; S7_Family := \"Press\"; S7_HeaderName := \"P01\"; S7_Version := \"0.2\" }\n\
+                  DATA_BLOCK Store\nVAR\n    n : Int;\nEND_VAR\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
+    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    assert!(document.contains("<HeaderName>P01</HeaderName>"), "{document}");
+    assert_eq!(text(&plcc(folder, &["convert", "a.xml", "--to", "sd"]).stdout), source);
+}
+
 /// A block of networks in SCL is one in SCL, and has the titles of its networks as comments.
 #[test]
 fn networks_in_scl_become_scl() {
