@@ -12,7 +12,6 @@ use crate::bind::globals::names::{Global, code_kind};
 use crate::bind::trees::blocks::{block_class, header_of, is_forward, is_fragment, is_safety};
 use crate::bind::trees::mentions;
 use crate::bind::trees::numbering::{LOOSE, LOOSE_HELP, block_of_file, frame, is_loose, numbered, source_prefix};
-use plcc_binding::constant::{Constant, Constants};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
 use plcc_model::types::Elementary;
@@ -184,6 +183,7 @@ impl<'a> Globals<'a> {
                 self.names.blocks.insert((prefix, number as u16), global.name.clone());
             }
         }
+        self.constants_named_as_others();
         self.find_foreign();
         self.move_library(&used);
     }
@@ -443,22 +443,6 @@ impl<'a> Globals<'a> {
                     }
                 }
             }
-        }
-    }
-
-    /// User constants of tag tables, with their types.
-    fn collect_constants(&mut self) {
-        let input = self.input;
-        for constant in input.tables.iter().flat_map(|table| &table.constants) {
-            let Some(value) = self.constant(&Constants::default(), &constant.value) else { continue };
-            let value = match Elementary::from_word(&constant.ty.to_ascii_uppercase()) {
-                Some(ty) => match self.constant_bits(&value, ty, constant.value.span) {
-                    Some(bits) => Constant::Typed { ty, bits },
-                    None => continue,
-                },
-                None => value,
-            };
-            self.names.constants.entry(fold(&constant.name)).or_insert(value);
         }
     }
 

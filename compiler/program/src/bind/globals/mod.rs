@@ -2,8 +2,8 @@
 //!
 //! - [`collect`] reads the tables and numbers the blocks of the [`sources`], so that their order does not matter; [`ob`] finds out what
 //!   starts organization blocks.
-//! - [`names`] finds names and numbers, also those of the [`library`]; [`constant`] computes constants of all languages;
-//!   [`instruction`] and [`form`] have functions for instructions that STL calls.
+//! - [`names`] finds names and numbers, also those of the [`library`]; [`constant`] computes constants of all languages,
+//!   `user_constants` reads those of tag tables; [`instruction`] and [`form`] have functions for instructions that STL calls.
 //! - [`addresses`] checks addresses against the CPU; [`hardware`] has its constants, [`system_memory`] its tags, [`rules`] its dialect.
 
 pub mod addresses;
@@ -19,6 +19,7 @@ mod overlaps;
 pub mod rules;
 pub mod sources;
 pub mod system_memory;
+mod user_constants;
 
 use plcc_abi::image::Config;
 use rustc_hash::FxHashMap;

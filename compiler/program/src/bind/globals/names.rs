@@ -20,6 +20,8 @@ pub struct Names {
     pub types: FxHashMap<String, u16>,
     /// User constants of tag tables, by folded name.
     pub constants: Constants,
+    /// Spellings of constants whose names are those of tags or blocks too, by folded name.
+    pub confused: FxHashMap<String, String>,
     pub blocks: FxHashMap<(BlockPrefix, u16), String>,
     /// Where each block of the sources is defined.
     pub defined: FxHashMap<(BlockPrefix, u16), Span>,

@@ -25,7 +25,9 @@ impl SclBinder<'_, '_> {
         if let Some(variable) = ctx.scope.hidden.get(text) {
             return Some(Thing::Spot(Spot::fixed(variable.clone())));
         }
-        let global = self.program.globals.names.symbols.contains_key(&fold(text));
+        let names = &self.program.globals.names;
+        let is_confused = names.confused.get(&fold(text)).is_some_and(|constant| constant == text);
+        let global = names.symbols.contains_key(&fold(text)) && !is_confused;
         let elsewhere = global && name.form == NameForm::Quoted || self.is_unknown_global(ctx, name);
         if elsewhere
             && !global
