@@ -9,7 +9,7 @@ use crate::ast::{
 use crate::literal::Literal;
 use crate::stl::actions::NO_BIT;
 use crate::stl::messages::operand_phrase;
-use crate::stl::{Mnemonics, OperandClass, StlInsn};
+use crate::stl::{Mnemonics, OperandClass, StlInsn, operand_help};
 
 /// Checks the operand of an instruction; a name fits everything. Messages have the mnemonics `set` of the file.
 pub fn operand(
@@ -397,7 +397,8 @@ fn mismatch(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: 
         ),
         (_, Form::Memory(_, width @ (Width::Byte | Width::Word | Width::Dword))) if bit_class => {
             let address = shown.trim_start_matches(|c: char| c.is_ascii_alphabetic()).trim();
-            let letter = shown.chars().next().unwrap_or('M');
+            // The bits of peripheral words are in the process image.
+            let letter = shown.trim_start_matches(['P', 'p']).chars().next().unwrap_or('M');
             let one_bit = if address.starts_with(|c: char| c.is_ascii_digit()) && !shown.contains('.') {
                 if matches!(letter, 'D' | 'd') {
                     format!("`{}X {address}.0`", &shown[..2])
@@ -487,7 +488,10 @@ fn mismatch(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: 
                 }
             },
         ),
-        _ => (format!("`{shown}` is not an operand of `{written}`"), takes),
+        _ => {
+            let help = operand_help::of(set, insn, written, shown, operand);
+            (format!("`{shown}` is not an operand of `{written}`"), help.unwrap_or(takes))
+        }
     }
 }
 

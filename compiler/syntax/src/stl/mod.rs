@@ -13,6 +13,7 @@ pub mod fragment;
 pub mod instructions;
 mod messages;
 mod mnemonics;
+mod operand_help;
 pub mod pragma;
 mod raw;
 mod start_values;

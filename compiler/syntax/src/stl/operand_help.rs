@@ -1,0 +1,66 @@
+//! What to write for an operand that an instruction does not take, where the instruction and the operand together say what is meant.
+
+use crate::ast::{Area, BlockName, BlockPrefix, CellKind, Operand, OperandKind, Width};
+use crate::literal::Literal;
+use crate::stl::{Mnemonics, OperandClass, StlInsn};
+
+/// The help about the operand `shown` of `written`, in the mnemonics `set`; none: all that is known is what the instruction takes.
+pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> Option<String> {
+    let (load, transfer) = (StlInsn::Load.mnemonic(set), StlInsn::Transfer.mnemonic(set));
+    match (insn.operand(), &operand.kind) {
+        (OperandClass::Byte, kind) if matches!(insn, StlInsn::Increment | StlInsn::Decrement) => {
+            let step = if insn == StlInsn::Increment { "1" } else { "-1" };
+            let change = match width(kind)? {
+                Width::Byte => format!("{written} 1"),
+                Width::Word => format!("+ {step}"),
+                Width::Dword => format!("+ L#{step}"),
+                Width::Bit | Width::Lword => return None,
+            };
+            Some(format!("it changes ACCU1: write `{load} {shown}`, `{change}` and `{transfer} {shown}`"))
+        }
+        (
+            OperandClass::LoadSource | OperandClass::TransferTarget,
+            OperandKind::Block(BlockName::Numbered { prefix, .. }),
+        ) if *prefix == BlockPrefix::Db => {
+            let open = StlInsn::OpenDb.mnemonic(set);
+            Some(format!("write `{written} {shown}.DBW 0` for a word of it, `{open} {shown}` to open it"))
+        }
+        (OperandClass::TransferTarget, OperandKind::Cell { kind: CellKind::Counter, .. }) => {
+            Some(format!("write `S {shown}`, which sets the counter to the value in ACCU1"))
+        }
+        (OperandClass::TransferTarget, OperandKind::Cell { kind: CellKind::Timer, .. }) => {
+            let start = StlInsn::TimerOnDelay.mnemonic(set);
+            Some(format!("write e.g. `{start} {shown}`, which starts the timer with the time in ACCU1"))
+        }
+        (OperandClass::DwordConstOrNone, OperandKind::Literal(Literal::Word(value))) => {
+            let word = written.strip_suffix(['D', 'd'])?;
+            Some(format!("write `{word}W {shown}` for a word, `{written} DW#16#{value:X}` for a double word"))
+        }
+        (OperandClass::WordConstOrNone, OperandKind::Literal(Literal::Dword(_) | Literal::Dint(_))) => {
+            let word = written.strip_suffix(['W', 'w'])?;
+            Some(format!("write `{word}D {shown}`, which works on double words"))
+        }
+        (
+            OperandClass::LoadAr1 | OperandClass::LoadAr2 | OperandClass::TransferAr1 | OperandClass::TransferAr2,
+            kind,
+        ) => {
+            let OperandKind::Absolute { area, width: Width::Byte | Width::Word, .. } = kind else { return None };
+            if !matches!(area, Area::M | Area::L | Area::Db | Area::Di) {
+                return None;
+            }
+            let letters = shown.trim_end_matches(|c: char| !c.is_ascii_alphabetic());
+            let double = format!("{}D{}", &letters[..letters.len().checked_sub(1)?], &shown[letters.len()..]);
+            Some(format!("an address register has 32 bits: write `{written} {double}`"))
+        }
+        _ => None,
+    }
+}
+
+/// The width of an address, also of a name, which is most likely a word.
+fn width(kind: &OperandKind) -> Option<Width> {
+    match kind {
+        OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. } => Some(*width),
+        OperandKind::Path(_) => Some(Width::Word),
+        _ => None,
+    }
+}
