@@ -196,8 +196,12 @@ impl Binder<'_> {
                     .help(help),
             );
         }
-        if let Some(message) = self.other_order(insn, operands).or_else(|| self.other_instruction(insn, operands)) {
-            self.push(message);
+        let meant = match self.other_order(insn, operands) {
+            Some(message) => vec![message],
+            None => self.other_instruction(insn, operands),
+        };
+        if !meant.is_empty() {
+            meant.into_iter().for_each(|message| self.push(message));
             return None;
         }
         let bound: Vec<Option<Operand>> = classes

@@ -1,12 +1,13 @@
 //! What is meant by an instruction whose operands fit together, but not to it: operands in the other order, operands of another width.
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{self, OperandKind};
 use plcc_syntax::s7200::{Compare, CompareKind, Insn, OperandClass};
 use plcc_syntax::stl::Mnemonics;
 
-use super::Binder;
-use super::operand::{is_target, takes_constants, wanted, width, width_message};
+use super::operand::{has_area, has_width, is_target, takes_constants, wanted, width, width_message};
+use super::{Binder, address};
 
 impl Binder<'_> {
     /// `S 1, Q0.0`, `MOVW VW0, 5`, `TON 10, T37`: a constant in the place of an address, which is the other operand.
@@ -15,7 +16,8 @@ impl Binder<'_> {
         let orders = [(first, first_class, second, second_class), (second, second_class, first, first_class)];
         let (constant, class, ..) = orders.into_iter().find(|(constant, class, place, other)| {
             matches!(constant.kind, OperandKind::Constant(_))
-                && matches!(&place.kind, OperandKind::Direct(direct) if is_target(*class, *direct))
+                && is_target(*class)
+                && matches!(place.kind, OperandKind::Direct(direct) if may_be(*class, direct))
                 && takes_constants(*other)
         })?;
         let (title, label) = match class {
@@ -34,32 +36,44 @@ impl Binder<'_> {
         )
     }
 
-    /// `MOVW VB0, VB1`, `DTI VW0, VD4`, `DIV VW0, VW2`: operands with the widths of another instruction.
-    pub fn other_instruction(&self, insn: Insn, operands: &[ast::Operand]) -> Option<Diagnostic> {
+    /// `MOVW VB0, VB1`, `DTI VW0, VD4`, `DIV VW0, VW2`: operands with the widths of another instruction. Each operand that misfits an
+    /// instruction which exists for one width only has a message, too: `TON T37, VB0`.
+    pub fn other_instruction(&self, insn: Insn, operands: &[ast::Operand]) -> Vec<Diagnostic> {
         if operands.len() != insn.operands().len() {
-            return None;
+            return Vec::new();
         }
-        let misfit = operands.iter().zip(insn.operands()).find_map(|(operand, class)| match &operand.kind {
-            OperandKind::Direct(direct) if !has_width(direct, *class) => Some((operand.span, *direct, *class)),
+        let misfits = operands.iter().zip(insn.operands()).filter_map(|(operand, class)| match &operand.kind {
+            OperandKind::Direct(direct) if has_area(*class, *direct) && !has_width(*class, *direct) => {
+                Some((operand.span, *direct, *class, width(*class)?))
+            }
             _ => None,
         });
-        let (span, direct, class) = misfit?;
+        let misfits: Vec<_> = misfits.collect();
+        let Some(&(span, direct, class, needed)) = misfits.first() else { return Vec::new() };
+        let relatives = relatives(insn);
+        if relatives.is_empty() && class != OperandClass::Bit {
+            let alone = |(span, direct, class, needed): (Span, ast::Direct, OperandClass, Width)| {
+                let same = address::text(ast::Direct { width: Some(needed), bit: 0, ..direct });
+                width_message(class, direct, needed, span).help(format!("write an operand such as {same}"))
+            };
+            return misfits.into_iter().map(alone).collect();
+        }
         let list = match operands {
             [first, .., last] => self.written(first.span.to(last.span)),
             _ => self.written(span),
         };
-        let others = relatives(insn).into_iter().filter(|other| fits(*other, operands));
+        let others = relatives.into_iter().filter(|other| fits(*other, operands));
         let mut statements: Vec<String> = others.map(|other| format!("`{} {list}`", self.mnemonic(other))).collect();
         if let (Insn::MovD, [first, ast::Operand { kind: OperandKind::Direct(target), .. }]) = (insn, operands)
             && first.span == span
-            && is_target(OperandClass::DwordOut, *target)
+            && may_be(OperandClass::DwordOut, *target)
         {
             statements.push(format!("`{} &{list}`, which moves its address", self.mnemonic(insn)));
         }
         if statements.is_empty() {
-            return None;
+            return Vec::new();
         }
-        Some(width_message(class, direct, width(class)?, span).help(format!("write {}", statements.join(" or "))))
+        vec![width_message(class, direct, needed, span).help(format!("write {}", statements.join(" or ")))]
     }
 }
 
@@ -67,9 +81,9 @@ fn is_number(class: OperandClass) -> bool {
     matches!(class, OperandClass::Timer | OperandClass::Counter)
 }
 
-/// Whether the address may have the width of the class. That of timers, counters and accumulators is the one that an instruction needs.
-fn has_width(direct: &ast::Direct, class: OperandClass) -> bool {
-    width(class).is_none_or(|width| direct.width.is_none_or(|own| own == width))
+/// Whether the address is in an area and of a width that the class accepts.
+fn may_be(class: OperandClass, direct: ast::Direct) -> bool {
+    has_area(class, direct) && has_width(class, direct)
 }
 
 /// Whether the operands are those of `insn`, as far as their forms show.
@@ -77,7 +91,7 @@ fn fits(insn: Insn, operands: &[ast::Operand]) -> bool {
     let classes = insn.operands();
     classes.len() == operands.len()
         && operands.iter().zip(classes).all(|(operand, class)| match &operand.kind {
-            OperandKind::Direct(direct) => width(*class).is_some() && has_width(direct, *class),
+            OperandKind::Direct(direct) => may_be(*class, *direct),
             OperandKind::Constant(_) => takes_constants(*class),
             _ => false,
         })

@@ -83,16 +83,24 @@ pub fn width(class: OperandClass) -> Option<Width> {
     shape(class).map(|shape| shape.width)
 }
 
-/// Whether an instruction with an operand of this class writes to it or drives it, and the address has the area and the width.
-pub fn is_target(class: OperandClass, direct: Direct) -> bool {
-    match class {
-        OperandClass::Timer => direct.area == Area::T,
-        OperandClass::Counter => direct.area == Area::C,
-        class => shape(class).is_some_and(|shape| {
-            let is_in_area = if direct.area == Area::Ac { shape.ac } else { shape.areas.contains(&direct.area) };
-            shape.write && is_in_area && direct.width.is_none_or(|width| width == shape.width)
-        }),
+/// Whether an operand of this class can be in the area of the address.
+pub fn has_area(class: OperandClass, direct: Direct) -> bool {
+    match (class, direct.area) {
+        (OperandClass::Timer, area) => area == Area::T,
+        (OperandClass::Counter, area) => area == Area::C,
+        (class, Area::Ac) => shape(class).is_some_and(|shape| shape.ac),
+        (class, area) => shape(class).is_some_and(|shape| shape.areas.contains(&area)),
     }
+}
+
+/// Whether the address may have the width of the class. That of timers, counters and accumulators is the one that an instruction needs.
+pub fn has_width(class: OperandClass, direct: Direct) -> bool {
+    width(class).is_none_or(|width| direct.width.is_none_or(|own| own == width))
+}
+
+/// Whether an instruction writes to an operand of this class, or drives it.
+pub fn is_target(class: OperandClass) -> bool {
+    matches!(class, OperandClass::Timer | OperandClass::Counter) || shape(class).is_some_and(|shape| shape.write)
 }
 
 /// Whether an operand of this class can be a constant beside addresses.
@@ -210,6 +218,9 @@ impl Binder<'_> {
             }
             Settled::Constant(Constant::Text(bytes)) if text => self.text(bytes, span),
             Settled::Constant(constant) => match shape.constant {
+                Some(Target::Integer(Width::Byte)) if class == OperandClass::Count => {
+                    self.count_constant(&constant, span).map(Operand::Const)
+                }
                 Some(target) => self.constant(&constant, target, span).map(Operand::Const),
                 None if class == OperandClass::SBit => {
                     let number = super::constant::whole(&constant).filter(|number| (0..256).contains(number));
@@ -259,6 +270,11 @@ impl Binder<'_> {
             }
             let help = match direct.area {
                 Area::Aq => "only MOVW and other moves write analog outputs; store the value in V memory to read it",
+                Area::Ai => "an analog value is a word: use the instruction for words",
+                Area::T | Area::C if width != Width::Bit => {
+                    "the value of a timer or counter is a word: use the instruction for words"
+                }
+                Area::Hc => "the value of a high-speed counter is a double word: use the instruction for double words",
                 _ => "operands of this area are not possible here",
             };
             return self.misfit(class, help, span);
@@ -317,6 +333,19 @@ impl Binder<'_> {
         Some(Operand::Text(bytes))
     }
 
+    /// A number of elements. The instruction may have a lower limit.
+    fn count_constant(&mut self, constant: &Constant, span: Span) -> Option<u32> {
+        let Some(count) = super::constant::whole(constant).filter(|count| !(0..=255).contains(count)) else {
+            return self.constant(constant, Target::Integer(Width::Byte), span);
+        };
+        self.push(
+            Diagnostic::new(Code::LiteralRange, span, format!("`{count}` is not a number of elements (0090)"))
+                .label("a count is a byte without a sign")
+                .help("write a count from 1 to 255"),
+        );
+        None
+    }
+
     /// Timers, counters, labels and other constants that identify something.
     fn number_operand(&mut self, class: OperandClass, settled: Settled, span: Span) -> Option<Operand> {
         use OperandClass as C;
@@ -331,6 +360,14 @@ impl Binder<'_> {
             }
             (C::Number(max), Settled::Constant(constant)) => {
                 self.number(&constant, u32::from(max), span).map(Operand::Const)
+            }
+            // `HSC HC0`, `PLS Q0.0`
+            (C::Number(max), Settled::Direct(direct)) if matches!(direct.area, Area::Hc | Area::Q) => {
+                let number = if direct.area == Area::Hc { direct.number } else { u32::from(direct.bit) };
+                match number <= u32::from(max) {
+                    true => self.misfit(class, &format!("write `{number}`, the number alone"), span),
+                    false => self.misfit(class, &format!("write a number from 0 to {max}"), span),
+                }
             }
             (C::Label, Settled::Constant(constant)) => {
                 let labels = u32::from(self.row.labels);
