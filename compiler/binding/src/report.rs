@@ -619,7 +619,7 @@ fn similar_type(name: &str) -> Option<&'static str> {
 }
 
 /// Names that are hexadecimal numbers of other languages: `FFh`.
-fn hexadecimal(name: &str) -> Option<String> {
+pub fn hexadecimal(name: &str) -> Option<String> {
     let digits = name.trim().strip_suffix(['h', 'H'])?;
     let number = (2..=16).contains(&digits.len()) && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     number.then(|| format!("16#{}", digits.to_ascii_uppercase()))

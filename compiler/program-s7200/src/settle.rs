@@ -3,15 +3,28 @@
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
-use plcc_syntax::s7200::OperandClass;
 use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, Shown, SymbolForm};
+use plcc_syntax::s7200::{self, OperandClass};
 
 use super::address;
 use super::interface::{Locals, Type};
 use super::names::{block_kind, fold};
 use super::{Binder, operand};
-use plcc_binding::report::{MissingKey, bit_without_number};
+use plcc_binding::report::{MissingKey, bit_without_number, hexadecimal};
 use plcc_model::s7200::Operand;
+
+/// Names of special memory in the symbol tables of Micro/WIN.
+const SPECIAL_BITS: [(&str, &str); 9] = [
+    ("Always_On", "SM0.0"),
+    ("First_Scan_On", "SM0.1"),
+    ("First_Scan", "SM0.1"),
+    ("Retentive_Lost", "SM0.2"),
+    ("RUN_Power_Up", "SM0.3"),
+    ("Clock_60s", "SM0.4"),
+    ("Clock_1s", "SM0.5"),
+    ("Clock_Scan", "SM0.6"),
+    ("Mode_Switch", "SM0.7"),
+];
 
 /// An operand whose names are settled.
 #[derive(Clone, Debug)]
@@ -154,6 +167,9 @@ impl Binder<'_> {
             _ if name.bytes().all(|digit| digit.is_ascii_digit()) => {
                 message.help(format!("a constant has no `#`: write `{name}`"))
             }
+            [] if name.len() > 1 && name.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'A'..=b'F')) => {
+                message.help(format!("declare it, or write `16#{name}` if a hexadecimal number is meant"))
+            }
             [] => message.help("declare it, or remove the `#` if a global symbol is meant"),
             _ => message.help(format!("is {} meant?", near.join(" or "))),
         });
@@ -173,7 +189,21 @@ impl Binder<'_> {
             if let Some(digits) = digits {
                 return message.help(format!("a constant has no letter: write `{digits}`"));
             }
+            if let Some(address) = s7200::with_zeros(name) {
+                return message.help(format!("write the digit 0 in place of the letter O: `{address}`"));
+            }
+            if let Some(number) = hexadecimal(name) {
+                return message.help(format!("a hexadecimal number begins with `16#`: write `{number}`"));
+            }
+            if let Some((_, bit)) = SPECIAL_BITS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
+                return message
+                    .help(format!("a name of special memory: write `{bit}`, or add the symbol table of the project"));
+            }
+            let is_quoted = span.end - span.start == name.len() as u32 + 2;
             match (near.as_slice(), has_tables) {
+                ([], _) if is_quoted && name.chars().count() <= 4 => message.help(format!(
+                    "add it to a symbol table of the project; characters are written in single quotes: `'{name}'`"
+                )),
                 ([], false) => message.help("add the symbol table of the project to the sources"),
                 ([], true) => message.help("add it to the symbol table, or write the address"),
                 _ => message.help(format!("names like it: {}", near.join(", "))),

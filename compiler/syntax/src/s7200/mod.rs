@@ -39,6 +39,7 @@ use crate::ast::SourceUnit;
 use crate::front::{self, ParseState};
 use crate::stl::Mnemonics;
 
+pub use address::with_zeros;
 pub use aliases::{ALIASES, BOXES};
 pub use instructions::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
 pub use messages::form;

@@ -524,7 +524,9 @@ impl<'a> Classifier<'a, '_> {
             AddressError::BitOfWord => bit_of_cell(text)
                 .map(|cell| format!("write `{cell}`: the bit of a timer or counter has no number"))
                 .or_else(|| bit_of_byte(text).map(|bit| format!("name the bit by its byte: `{bit}`"))),
-            AddressError::Number | AddressError::DataBlock => None,
+            AddressError::Number => address::with_zeros(text)
+                .map(|address| format!("write the digit 0 in place of the letter O: `{address}`")),
+            AddressError::DataBlock => None,
         };
         let help = own.unwrap_or_else(|| help.to_owned());
         let span = self.span(token.range());
