@@ -135,6 +135,34 @@ impl Binder<'_> {
         })
     }
 
+    /// `INCW VW0, 2`: what to write to add another number than 1.
+    fn counted_by(&self, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
+        let [place, number] = operands else { return None };
+        let other = match insn {
+            Insn::IncW => Insn::AddI,
+            Insn::IncD => Insn::AddD,
+            Insn::DecW => Insn::SubI,
+            Insn::DecD => Insn::SubD,
+            _ => return None,
+        };
+        Some(format!("write `{} {}, {}`", self.mnemonic(other), self.written(number.span), self.written(place.span)))
+    }
+
+    /// `O` alone, as other controllers join two groups, and `SPA 5`, a jump in German: what to write.
+    fn without_operand(&self, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
+        let join = match (insn, operands) {
+            (Insn::Or, []) => Insn::OrLoad,
+            (Insn::And, []) => Insn::AndLoad,
+            (Insn::Spa, [label]) => {
+                let label = self.written(label.span);
+                return Some(format!("{}; a jump is `JMP {label}`", self.form(insn)));
+            }
+            _ => return None,
+        };
+        let (name, join) = (self.mnemonic(insn), self.mnemonic(join));
+        Some(format!("write `{name} I0.0` for a contact; two groups that begin with loads are joined with `{join}`"))
+    }
+
     fn instruction(
         &mut self,
         block: usize,
@@ -153,7 +181,8 @@ impl Binder<'_> {
         let unread = operands.iter().any(|operand| operand.kind == ast::OperandKind::Error);
         if operands.len() < classes.len() && !optional && !unread {
             let what = classes.get(operands.len()).map_or("one", |class| describe(*class));
-            self.missing_operand(what, mnemonic, &self.form(insn));
+            let help = self.without_operand(insn, operands).unwrap_or_else(|| self.form(insn));
+            self.missing_operand(what, mnemonic, &help);
             // Which one is missing is not certain, and so neither what the others should be.
             return None;
         }
@@ -176,8 +205,18 @@ impl Binder<'_> {
             let joined = [("AND", "A"), ("OR", "O"), ("A", "A"), ("O", "O"), ("AN", "AN"), ("ON", "ON")]
                 .into_iter()
                 .find(|(word, _)| *word == written);
+            // `LD I0.0 & I0.1`
+            let second = match (&surplus.kind, classes) {
+                (ast::OperandKind::AddressOf(place), [OperandClass::Bit | OperandClass::InputBit]) => {
+                    Some(self.written(place.span))
+                }
+                _ => None,
+            };
             let help = match (joined, next) {
                 (Some((_, mnemonic)), Some(next)) => format!("write `{mnemonic} {next}` on a line of its own"),
+                _ if let Some(operand) = &second => {
+                    format!("write `{} {operand}` on a line of its own", self.mnemonic(Insn::And))
+                }
                 _ if matches!(classes, [OperandClass::Bit | OperandClass::BitWrite | OperandClass::InputBit]) => {
                     format!("write `{} {}` on a line of its own", self.mnemonic(insn), self.written(surplus.span))
                 }
@@ -185,7 +224,7 @@ impl Binder<'_> {
                     let (and, or) = (self.mnemonic(Insn::AndNot), self.mnemonic(Insn::OrNot));
                     format!("write `{and} {written}` or `{or} {written}`")
                 }
-                _ => match self.three_operands(insn, operands) {
+                _ => match self.three_operands(insn, operands).or_else(|| self.counted_by(insn, operands)) {
                     Some(help) => help,
                     None => format!("remove it: {}", self.form(insn)),
                 },
@@ -195,6 +234,7 @@ impl Binder<'_> {
                     .label("the first surplus operand")
                     .help(help),
             );
+            return None;
         }
         let meant = match self.other_order(insn, operands) {
             Some(message) => vec![message],

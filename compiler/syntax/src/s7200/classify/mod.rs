@@ -1,5 +1,6 @@
 //! Raw tokens to tokens with a meaning, line by line: the first word of a line decides what the line is.
 
+mod call;
 mod operand;
 
 use std::ops::Range;

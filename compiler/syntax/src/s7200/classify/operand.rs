@@ -7,12 +7,12 @@ use plcc_diag::{Code, Diagnostic};
 use super::Classifier;
 use crate::ast::Width;
 use crate::front::{self, foreign_address};
-use crate::s7200::Insn;
 use crate::s7200::address::{self, AddressError};
 use crate::s7200::ast::{Area, BlockKind, SymbolForm};
 use crate::s7200::constant::{self, ConstantError};
 use crate::s7200::raw::{RawKind, RawToken};
 use crate::s7200::token::Tok;
+use crate::s7200::{Insn, OperandClass};
 
 /// Where operands are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,60 +160,6 @@ impl<'a> Classifier<'a, '_> {
         Some(range.end)
     }
 
-    /// `CALL Init:Fill`, `CALL Init(VW0)`, `CALL SBR 0`; reads the operands of the first two as meant.
-    fn foreign_call(&mut self, tokens: &[RawToken]) -> bool {
-        let [name, second, rest @ ..] = tokens else { return false };
-        let called = self.slice(name.range());
-        let sign = second.text(self.text);
-        if second.kind == RawKind::Integer && ["SBR", "SUB"].iter().any(|word| word.eq_ignore_ascii_case(called)) {
-            let range = name.range().start..second.range().end;
-            let title = format!("`{}` has a blank before its number", self.slice(range.clone()));
-            self.report(
-                Diagnostic::new(Code::Syntax, self.span(range.clone()), title)
-                    .label("two words")
-                    .help(format!("write `CALL SBR{sign}`")),
-            );
-            self.push(range, Tok::BadOperand);
-            self.operands(rest);
-            return true;
-        }
-        if let (RawKind::Colon, Some((number, rest))) = (second.kind, rest.split_first())
-            && block(&self.slice(number.range()).to_ascii_uppercase()).is_none()
-        {
-            let span = self.span(second.range().start..number.range().end);
-            self.report(
-                Diagnostic::new(Code::Syntax, span, "a call names the subroutine once")
-                    .label("belongs to the header of the subroutine")
-                    .help(format!("write `CALL {called}`")),
-            );
-            self.operands(&tokens[..1]);
-            self.operands(rest);
-            return true;
-        }
-        let close = rest.iter().rposition(|token| token.text(self.text) == ")");
-        let Some((inner, after)) = close.filter(|_| sign == "(").map(|close| (&rest[..close], &rest[close + 1..]))
-        else {
-            return false;
-        };
-        let range = second.range().start..rest[inner.len()].range().end;
-        let listed = match (inner.first(), inner.last()) {
-            (Some(first), Some(last)) => format!(", {}", self.slice(first.range().start..last.range().end)),
-            _ => String::new(),
-        };
-        self.report(
-            Diagnostic::new(Code::ForeignForm, self.span(range), "the S7-200 calls without parentheses")
-                .label("a form of other languages")
-                .help(format!("write `CALL {called}{listed}`")),
-        );
-        self.operands(&tokens[..1]);
-        if !inner.is_empty() {
-            self.push(second.range(), Tok::Comma);
-            self.operands(inner);
-        }
-        self.operands(after);
-        true
-    }
-
     /// The operands of a statement; a decimal comma in an address, `LD I0,0`, is taken as a point.
     pub fn statement_operands(&mut self, insn: Insn, tokens: &[RawToken]) {
         if insn == Insn::Call && self.foreign_call(tokens) {
@@ -257,13 +203,15 @@ impl<'a> Classifier<'a, '_> {
         (words && adjacent).then(|| (count, format!("{before}.{}", text(&bit))))
     }
 
-    /// `LD NOT I0.0` without its NOT, after a message.
+    /// `LD NOT I0.0`, `LD /I0.0`, `LD !I0.0` without the negation, after a message.
     pub fn without_not<'t>(&mut self, insn: Insn, mnemonic: &Range<usize>, rest: &'t [RawToken]) -> &'t [RawToken] {
         let [not, operand, after @ ..] = rest else { return rest };
-        if not.kind != RawKind::Word
-            || !not.text(self.text).eq_ignore_ascii_case("NOT")
-            || !matches!(operand.kind, RawKind::Word | RawKind::Quoted | RawKind::Local)
-        {
+        let sign = self.slice(not.range());
+        let is_word = not.kind == RawKind::Word && sign.eq_ignore_ascii_case("NOT");
+        let bits = [OperandClass::Bit, OperandClass::BitWrite, OperandClass::InputBit, OperandClass::OutputBit];
+        let is_of_bit = matches!(insn.operands(), [class] if bits.contains(class));
+        let is_negation = is_word || is_of_bit && matches!(sign, "/" | "!" | "~");
+        if !is_negation || !matches!(operand.kind, RawKind::Word | RawKind::Quoted | RawKind::Local) {
             return rest;
         }
         let end = after.last().unwrap_or(operand).range().end;
@@ -280,12 +228,10 @@ impl<'a> Classifier<'a, '_> {
             }
             _ => format!("write `NOT` on a line of its own before `{word} {operands}`"),
         };
-        let span = self.span(not.range());
-        self.report(
-            Diagnostic::new(Code::ForeignForm, span, "`NOT` is not allowed before an operand")
-                .label("an instruction without operand")
-                .help(help),
-        );
+        let label = if is_word { "an instruction without operand" } else { "a form of other languages" };
+        let title = format!("`{}` is not allowed before an operand", if is_word { "NOT" } else { sign });
+        let message = Diagnostic::new(Code::ForeignForm, self.span(not.range()), title).label(label).help(help);
+        self.report(message);
         &rest[1..]
     }
 
