@@ -74,7 +74,7 @@ impl Binder<'_> {
             }
             (Target::Signed(width), Constant::Integer(value)) => self.signed(*value, width, span),
             (Target::Integer(width) | Target::Signed(width) | Target::Bits(width), _) => match whole(constant) {
-                Some(value) => self.integer(value, width, span),
+                Some(value) => self.integer(value, width, matches!(target, Target::Bits(_)), span),
                 None => self.wrong_constant("too many characters", "four of them fill a double word", span),
             },
         }
@@ -111,8 +111,14 @@ impl Binder<'_> {
         None
     }
 
-    /// An integer in `width` bits: signed or unsigned.
-    fn integer(&mut self, value: i64, width: Width, span: Span) -> Option<u32> {
+    /// A number as the source has it; that of a symbol in decimal.
+    fn number_text(&self, value: i64, span: Span) -> String {
+        let written = self.written(span);
+        if written.starts_with(|c: char| c.is_ascii_digit()) { written } else { value.to_string() }
+    }
+
+    /// An integer in `width` bits: signed or unsigned. `data`: in a data block.
+    fn integer(&mut self, value: i64, width: Width, data: bool, span: Span) -> Option<u32> {
         let (low, high, name) = match width {
             Width::Bit => (0, 1, "a bit"),
             Width::Byte => (-128, 0xFF, "a byte"),
@@ -121,19 +127,23 @@ impl Binder<'_> {
         };
         if value < low || value > high {
             let low = if width == Width::Byte { 0 } else { low };
+            let text = self.number_text(value, span);
             let larger = match width {
                 Width::Byte if (-32768..=0xFFFF).contains(&value) => Some(("words", "VW0")),
                 Width::Byte | Width::Word => Some(("double words", "VD0")),
                 Width::Bit | Width::Dword | Width::Lword => None,
             };
             let help = match larger {
+                Some((_, such)) if data => {
+                    format!("write a value from {low} to {high}, or begin the line with an address such as {such}")
+                }
                 Some((what, such)) => format!(
                     "write a value from {low} to {high}, or use an instruction for {what}, with operands such as {such}"
                 ),
                 None => format!("write a value from {low} to {high}"),
             };
             self.push(
-                Diagnostic::new(Code::LiteralRange, span, format!("`{value}` does not fit into {name} (0090)"))
+                Diagnostic::new(Code::LiteralRange, span, format!("`{text}` does not fit into {name} (0090)"))
                     .label(format!("{name} can be {low} to {high}"))
                     .help(help),
             );

@@ -106,11 +106,17 @@ impl Binder<'_> {
                 self.check_range(direct, direct.width.unwrap_or(Width::Byte), 1, address.span)?;
                 Some(Cursor { byte: direct.number, width: direct.width })
             }
-            _ => {
+            other => {
+                let is_v = matches!(other, Settled::Direct(direct) if direct.area == Area::V);
                 self.push(
                     Diagnostic::new(Code::OperandKind, address.span, "a data block can only contain V memory (0090)")
                         .label("not a byte, word or double word of V")
-                        .help("write the bits of a byte as one value: `VB10 2#00000101`"),
+                        .help(match is_v {
+                            true => "write the bits of a byte as one value: `VB10 2#00000101`",
+                            false => {
+                                "use an address such as VW10, or move the value after `LD SM0.1`, in the first scan"
+                            }
+                        }),
                 );
                 None
             }
