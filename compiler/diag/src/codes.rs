@@ -176,6 +176,7 @@ codes! {
     IndexOfLoop = "P0583" Warning "a loop that goes beyond the bounds of an array";
     WholeDivision = "P0584" Warning "a division of whole numbers that loses its fraction";
     NegatedSide = "P0585" Warning "a comparison of which only one side is negated";
+    NoEffect = "P0586" Warning "an assignment or operation that changes nothing";
     Project = "P0601" Error "a project file that cannot be used";
     UnknownCpu = "P0602" Error "a CPU that plcc does not know";
     Unreadable = "P0603" Error "a file that cannot be read";

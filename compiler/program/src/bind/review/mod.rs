@@ -9,7 +9,7 @@
 //! - [`indices`]: loops that go beyond the bounds of an array.
 //! - [`division`]: divisions of whole numbers in SCL that become a REAL.
 //! - [`instances`]: IEC timers and counters in SCL that two calls share.
-//! - [`itself`]: comparisons of a variable with itself in SCL.
+//! - [`itself`]: variables in SCL that are compared or combined with themselves, or assigned to themselves.
 //! - [`joined`]: comparisons of one value in SCL that are joined the wrong way.
 //! - [`negation`]: NOT before a comparison of bit strings in SCL.
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
