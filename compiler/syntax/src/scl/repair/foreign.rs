@@ -9,7 +9,7 @@ use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
 /// Parts of a block that SCL does not have, with the words that end them and what takes their place.
-const PARTS: [(&str, &[&str], &str); 5] = [
+const PARTS: [(&str, &[&str], &str); 6] = [
     ("METHOD", &["END_METHOD"], "write a FUNCTION or a FUNCTION_BLOCK with these statements, and call it"),
     ("PROPERTY", &["END_PROPERTY"], "declare a variable in VAR_INPUT or VAR_OUTPUT"),
     ("ACTION", &["END_ACTION"], "write a FUNCTION with these statements, and call it"),
@@ -17,6 +17,11 @@ const PARTS: [(&str, &[&str], &str); 5] = [
         "CLASS",
         &["END_CLASS"],
         "write a FUNCTION_BLOCK with its variables and the statements of one method, and a FUNCTION for each other method",
+    ),
+    (
+        "CONFIGURATION",
+        &["END_CONFIGURATION"],
+        "call its programs in organization blocks: OB 1 runs in each cycle, OB 30 to OB 38 run in an interval",
     ),
     ("INTERFACE", &["END_INTERFACE"], "write the blocks themselves, and call each by its name"),
 ];
