@@ -86,7 +86,7 @@ pub enum Command {
 /// How sources are read and compiled.
 #[derive(Args, Clone, Debug)]
 pub struct CompileArgs {
-    /// CPU, such as `315-2DP`, or family, such as `s7-300`.
+    /// CPU, such as `315-2DP`, or family, such as `s7-300`. A line `//@ cpu` of a source counts in tests only.
     #[arg(long, value_name = "NAME")]
     pub cpu: Option<String>,
     /// Mnemonics of the statement lists [default: detected for each file].
