@@ -110,6 +110,11 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
     let edges: Vec<Span> =
         reported.iter().filter(|one| one.code == Code::EdgeBit).map(|one| one.primary.span).collect();
     found.retain(|one| one.code != Code::NeverWritten || !edges.contains(&one.primary.span));
+    // A comparison with one outcome says why nothing leaves the loop.
+    let reported = program.globals.report.diagnostics.iter().chain(&found);
+    let outcomes: Vec<Span> = reported.filter(|one| one.code == Code::AlwaysSame).map(|one| one.primary.span).collect();
+    found
+        .retain(|one| one.code != Code::NothingLeaves || !outcomes.iter().any(|inner| is_in(*inner, one.primary.span)));
     let reported = program.globals.report.diagnostics.iter().chain(&found);
     let told: Vec<Span> = reported.filter(|one| one.code == Code::DoubleCoil).map(|one| one.primary.span).collect();
     outputs::review(&blocks, mains, &told, &mut found);
@@ -117,6 +122,10 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
     recursion::review(&blocks, &|key| program.globals.shown(key), &mut found);
     timers::review(program, &blocks, &mut found);
     found
+}
+
+fn is_in(inner: Span, outer: Span) -> bool {
+    inner.file == outer.file && outer.start <= inner.start && inner.end <= outer.end
 }
 
 fn language(program: &Declarations, block: &CodeBlock) -> Option<Language> {
