@@ -7,7 +7,10 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal};
 use plcc_syntax::{Class, Elementary};
 
 use super::constant;
+use super::expression::typed_constant;
+use super::value::Value;
 use crate::bind::scl::{SclBinder, SclBlock};
+use plcc_binding::constant::Constant;
 use plcc_binding::{fold, rewrite};
 use plcc_model::scl::{Actual, Argument, Conversion, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::{BlockKey, Parameter};
@@ -108,6 +111,31 @@ impl SclBinder<'_, '_> {
         };
         let title = format!("{name} has no result for `{}`", self.program.globals.text(value.span));
         self.refuse(Code::AlwaysSame, value.span, &title, label, help);
+    }
+
+    /// Warns of constant limits between which there is no value.
+    pub(super) fn check_limits(&mut self, values: &[Value]) {
+        let number = |value: &Value| match value {
+            Value::Constant(Constant::Integer { value, .. }, _) => Some(Known::Whole(*value)),
+            Value::Constant(Constant::Real(value), _) => Some(Known::Float(*value)),
+            other => {
+                let (ty, bits) = typed_constant(other)?;
+                Known::of(&Expr { kind: ExprKind::Const(bits), ty, span: other.span() })
+            }
+        };
+        let [low, _, high] = values else { return };
+        let limits = number(low).zip(number(high));
+        if limits.is_some_and(|(low, high)| low.float() > high.float()) {
+            let globals = &self.program.globals;
+            let (span, low, high) = (low.span(), globals.text(low.span()), globals.text(high.span()));
+            self.refuse(
+                Code::AlwaysSame,
+                span,
+                &format!("the lower limit `{low}` is above the upper limit `{high}`"),
+                "no value is between them",
+                "exchange the values of MN and MX",
+            );
+        }
     }
 
     /// Warns of a constant K of MUX or DEMUX that selects none of `count` pins, the first of which is `first`0.

@@ -247,27 +247,6 @@ impl SclBinder<'_, '_> {
         Some(Value::Elementary(computed(function, arguments, ty, span)))
     }
 
-    /// Warns of constant limits between which there is no value.
-    fn check_limits(&mut self, values: &[Value]) {
-        let number = |value: &Value| match value {
-            Value::Constant(Constant::Integer { value, .. }, _) => Some(*value as f64),
-            Value::Constant(Constant::Real(value), _) => Some(*value),
-            _ => None,
-        };
-        let [low, _, high] = values else { return };
-        if number(low).zip(number(high)).is_some_and(|(low, high)| low > high) {
-            let globals = &self.program.globals;
-            let (span, low, high) = (low.span(), globals.text(low.span()), globals.text(high.span()));
-            self.refuse(
-                Code::AlwaysSame,
-                span,
-                &format!("the lower limit `{low}` is above the upper limit `{high}`"),
-                "no value is between them",
-                "exchange the values of MN and MX",
-            );
-        }
-    }
-
     /// Warns of NORM_X and SCALE_X with constants of which MAX is not the greater one: they do not compute then. `reversed`: what counts the
     /// other way. Source: LAD/FBD reference, C.11.
     fn check_scale(&mut self, arguments: &[Expr], reversed: &str) {
