@@ -363,7 +363,7 @@ impl Declarations<'_> {
                     variable.ty = DataType::Elementary(part);
                 }
                 (PathPart::Member { name, span }, ty) => {
-                    self.report(no_component(name, ty, *span));
+                    self.report(no_component(name, ty, "", *span));
                     return None;
                 }
                 (PathPart::Index { span, .. }, ty) => {
@@ -467,18 +467,21 @@ fn slice(name: &str, ty: Elementary) -> Option<(u32, u8, Elementary)> {
     })
 }
 
-/// The message for a component of something that has none; of an array, its elements may have it.
-pub(crate) fn no_component(name: &str, ty: &DataType, span: Span) -> Diagnostic {
+/// The message for a component of something that has none; of an array, its elements may have it. `before`: what is written before the
+/// point, if it is known.
+pub(crate) fn no_component(name: &str, ty: &DataType, before: &str, span: Span) -> Diagnostic {
     let told = Diagnostic::new(Code::UnknownMember, span, format!("there is no component `{name}` here"))
         .label(format!("the name before it is of type {}", layout::type_name(ty)));
     match ty {
         DataType::Array(array) if matches!(array.element, DataType::Struct(_)) => {
             let first: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
-            told.help(format!("name one element, as in `[{}].{name}`", first.join(", ")))
+            told.help(format!("name one element, as in `{before}[{}].{name}`", first.join(", ")))
         }
         // `list.#i`
         DataType::Array(array) if array.bounds.len() == 1 && name.len() <= 2 => {
-            told.help(format!("the index of an array is written in brackets: `[{name}]`"))
+            let sign =
+                if before.starts_with('#') && !name.starts_with(|c: char| c.is_ascii_digit()) { "#" } else { "" };
+            told.help(format!("the index of an array is written in brackets: `{before}[{sign}{name}]`"))
         }
         DataType::Elementary(ty)
             if name

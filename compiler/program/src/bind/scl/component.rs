@@ -21,7 +21,7 @@ use crate::bind::scl::{SclBinder, SclBlock};
 impl SclBinder<'_, '_> {
     pub(super) fn member_thing(&mut self, ctx: &mut SclBlock, base: Thing, name: &Name, span: Span) -> Option<Thing> {
         match base {
-            Thing::Spot(spot) => self.component(spot, name).map(Thing::Spot),
+            Thing::Spot(spot) => self.component(spot, name, span).map(Thing::Spot),
             Thing::Db { db, .. } => {
                 if let Db::Known(number) = db
                     && let Some(ty) = self.program.data.db_type(number)
@@ -46,7 +46,7 @@ impl SclBinder<'_, '_> {
                 match db {
                     Db::Known(number) => {
                         let variable = self.whole_db(number, span)?;
-                        self.component(Spot::fixed(variable), name).map(Thing::Spot)
+                        self.component(Spot::fixed(variable), name, span).map(Thing::Spot)
                     }
                     Db::Dynamic(_) => {
                         let help = "name an address in it: `.DW[i]`, `.DW4`, `.DX[b, i]`";
@@ -119,9 +119,10 @@ impl SclBinder<'_, '_> {
         Some(Variable { base: path::Base::Db(number), byte: 0, bit: 0, ty: DataType::Struct(ty), untyped: false })
     }
 
-    fn component(&mut self, mut spot: Spot, name: &Name) -> Option<Spot> {
+    fn component(&mut self, mut spot: Spot, name: &Name, span: Span) -> Option<Spot> {
         let DataType::Struct(structure) = &spot.ty else {
-            self.program.report(path::no_component(&name.text, &spot.ty, name.span));
+            let before = self.before_point(name, span);
+            self.program.report(path::no_component(&name.text, &spot.ty, &before, name.span));
             return None;
         };
         let structure = Rc::clone(structure);
@@ -133,6 +134,12 @@ impl SclBinder<'_, '_> {
         spot.bit = member.bit;
         spot.ty = member.ty;
         (spot.ty != DataType::Void).then_some(spot)
+    }
+
+    /// What is written before the point and `name` in the access at `span`.
+    fn before_point(&self, name: &Name, span: Span) -> String {
+        let before = Span { end: name.span.start.max(span.start), ..span };
+        self.program.globals.text(before).trim_end().trim_end_matches('.').trim_end().to_owned()
     }
 
     pub(super) fn slice(&mut self, base: Thing, width: Width, index: u32, span: Span) -> Option<Thing> {

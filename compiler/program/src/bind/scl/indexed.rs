@@ -80,7 +80,12 @@ impl SclBinder<'_, '_> {
     ) -> Option<Spot> {
         let (given, declared) = (positions.len(), array.bounds.len());
         if given > declared {
-            self.index_count(given, declared, span);
+            let inner = match &array.element {
+                DataType::Array(inner) => inner.bounds.len(),
+                _ => 0,
+            };
+            let help = self.indices_as_declared(nodes, declared, inner, span);
+            self.program.report(path::index_count(given, declared, span).help(help));
             return None;
         }
         let mut bits = 0u32;
@@ -115,6 +120,21 @@ impl SclBinder<'_, '_> {
             })),
         };
         (spot.ty != DataType::Void).then_some(spot)
+    }
+
+    /// How the access at `span`, with the indices `nodes`, is written for an array of `declared` dimensions, whose elements have `inner`.
+    fn indices_as_declared(&self, nodes: &[Node], declared: usize, inner: usize, span: Span) -> String {
+        let text = |nodes: &[Node]| {
+            nodes.iter().map(|node| self.program.globals.text(node.span)).collect::<Vec<_>>().join(", ")
+        };
+        let before = Span { end: nodes[0].span.start.max(span.start), ..span };
+        let before = self.program.globals.text(before);
+        let array = before.trim_end().trim_end_matches('[').trim_end();
+        let (own, rest) = nodes.split_at(declared);
+        match rest.len() == inner {
+            true => format!("each array has brackets of its own: write `{array}[{}][{}]`", text(own), text(rest)),
+            false => format!("write `{array}[{}]`", text(own)),
+        }
     }
 
     fn index_count(&mut self, given: usize, declared: usize, span: Span) {
