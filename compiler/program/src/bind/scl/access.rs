@@ -95,6 +95,7 @@ impl SclBinder<'_, '_> {
                 }
                 self.operand_thing(ctx, operand, span)
             }
+            NodeKind::Member { base, name } if self.output_of_call(ctx, base, name) => None,
             NodeKind::Member { base, name } => {
                 let base = self.thing(ctx, base, intent)?;
                 match without_peripheral(&base, name) {

@@ -9,14 +9,41 @@ use plcc_model::scl::{Access, Instance};
 use plcc_model::types::{DataType, Member, StructType};
 use plcc_model::{BlockKey, layout};
 use plcc_syntax::ast::{BlockName, BlockPrefix};
-use plcc_syntax::scl::ast::{Expr as Node, Name};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
 
 use super::Intent;
 use super::callee::{Callee, block_of_name};
 use crate::bind::globals::names::code_kind;
 use crate::bind::scl::{SclBinder, SclBlock};
 
+/// A call that is longer than this is not shown in a help.
+const CALL_MAX: usize = 60;
+
 impl SclBinder<'_, '_> {
+    /// Reports `#timer(IN := a).Q`, which reads an output where its instance is called; false: something else is called.
+    pub(super) fn output_of_call(&mut self, ctx: &mut SclBlock, call: &Node, output: &Name) -> bool {
+        let NodeKind::Call { callee, arguments } = &call.kind else { return false };
+        let NodeKind::Name(name) = &callee.kind else { return false };
+        let local = ctx.block.bound.locals.get(&fold(&name.text)).filter(|_| name.form != NameForm::Quoted);
+        let is_instance = match local {
+            Some(local) => matches!(&local.ty, DataType::Struct(structure) if structure.instance_of.is_some()),
+            None => matches!(self.quiet_block(ctx, callee), Some((BlockPrefix::Db, _))),
+        };
+        if !is_instance {
+            return false;
+        }
+        let (instance, whole) = (self.program.globals.text(callee.span), self.program.globals.text(call.span));
+        let statement = match whole.len() <= CALL_MAX && !whole.contains('\n') {
+            true => format!("`{whole};`"),
+            false => "the call".to_owned(),
+        };
+        let title = format!("`{instance}` is called in a statement of its own");
+        let help = format!("write {statement} before this statement, and `{instance}.{}` in it", output.text);
+        self.refuse(Code::OperandKind, call.span, &title, "its outputs are read after the call", &help);
+        self.note_arguments(ctx, arguments);
+        true
+    }
+
     /// `FB10.DB20`, `"Db".timer`, `"Db".TON`, `#s.timer`, `#timer.TON`.
     pub(super) fn member_callee(
         &mut self,
