@@ -234,6 +234,7 @@ impl<'t> Repair<'t> {
                 || self.parted_address(token)
                 || self.foreign_statement(token)
                 || self.foreign_value(token)
+                || self.early_end_if(token)
                 || self.bare_argument(token)
                 || self.cast(token)
                 || self.file_address(token)

@@ -1,4 +1,6 @@
-//! Forms of values and choices of C: `if (x) a = 1;`, `a := [1, 2]`, `a{1}`, `a =: 5`, and `>5:` in CASE.
+//! Forms of values and choices of C: `if (x) a = 1;`, `a := [1, 2]`, `a{1}`, `a =: 5`, and `>5:` in CASE. And END_IF before ELSE.
+
+use plcc_diag::{Code, Diagnostic};
 
 use super::{Repair, ends_operand};
 use crate::scl::keyword::Keyword;
@@ -18,7 +20,9 @@ impl Repair<'_> {
             return false;
         }
         let Some(close) = self.closing(at + 1).filter(|close| *close > at + 2) else { return false };
-        let Some(end) = self.assignment_end(close + 1).filter(|_| !self.has_end_if(close + 1)) else { return false };
+        let Some(end) = self.assignment_end(close + 1).filter(|_| !self.has_end_if(close + 1, self.open_ifs())) else {
+            return false;
+        };
         let (condition, statement) = (self.words(at + 1, close), self.words(close + 1, end));
         let other = match self.keyword(end + 1) {
             Some(Keyword::Else) => self.assignment_end(end + 2),
@@ -35,6 +39,34 @@ impl Repair<'_> {
         true
     }
 
+    /// END_IF before ELSE or ELSIF, where no other IF or CASE is open to which they could belong.
+    pub(super) fn early_end_if(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let after = if self.kind(at + 1) == Some(RawKind::Semicolon) { at + 2 } else { at + 1 };
+        let next = self.keyword(after);
+        let goes_on = matches!(next, Some(Keyword::Else | Keyword::Elsif | Keyword::ElseIf));
+        if token.keyword != Some(Keyword::EndIf) || !goes_on || self.head.is_some() {
+            return false;
+        }
+        let Some((own, around)) = self.open.split_last() else { return false };
+        let takes_else = |keyword: Keyword| matches!(keyword, Keyword::If | Keyword::Case);
+        if own.keyword != Keyword::If
+            || own.brace
+            || around.iter().any(|open| takes_else(open.keyword))
+            || !self.has_end_if(after, 0)
+        {
+            return false;
+        }
+        let word = self.words(after, after).to_ascii_uppercase();
+        let title = format!("END_IF comes after the statements of {word}");
+        let help = format!("remove `{}` before `{word}`", self.words(at, after - 1));
+        let message = Diagnostic::new(Code::Syntax, self.span(at, at + 1), title);
+        self.messages.push(message.label("the IF goes on after it").help(help));
+        self.drop_tokens(at, after);
+        self.begin_statement();
+        true
+    }
+
     /// Index of the `;` of an assignment that begins at `first`.
     fn assignment_end(&self, first: usize) -> Option<usize> {
         let token = self.token(first)?;
@@ -47,10 +79,14 @@ impl Repair<'_> {
         (self.kind(end) == Some(RawKind::Semicolon)).then_some(end)
     }
 
-    /// Whether an END_IF follows from `first` on that belongs neither to an IF after it nor to one around it.
-    fn has_end_if(&self, first: usize) -> bool {
+    fn open_ifs(&self) -> usize {
+        self.open.iter().filter(|open| open.keyword == Keyword::If).count()
+    }
+
+    /// Whether an END_IF follows from `first` on that belongs neither to an IF after it nor to one of `around` that are open.
+    fn has_end_if(&self, first: usize, around: usize) -> bool {
         const LOOK_MAX: usize = 1000;
-        let mut depth = self.open.iter().filter(|open| open.keyword == Keyword::If).count();
+        let mut depth = around;
         for token in self.tokens.iter().skip(first).take(LOOK_MAX) {
             match token.keyword {
                 Some(Keyword::If) => depth += 1,
