@@ -142,6 +142,8 @@ struct Repair<'t> {
     begins_reported: bool,
     /// LOOP without its END_LOOP.
     loops: usize,
+    /// `#region` was reported.
+    signed_regions: bool,
     /// NAMESPACE without its END_NAMESPACE.
     name_spaces: usize,
     /// The text is of an editor of IEC 61131-3.
@@ -174,6 +176,7 @@ impl<'t> Repair<'t> {
             braces_reported: false,
             begins_reported: false,
             loops: 0,
+            signed_regions: false,
             name_spaces: 0,
             iec: false,
         }

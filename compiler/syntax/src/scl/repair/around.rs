@@ -1,4 +1,5 @@
-//! What stands around blocks in other languages and in software units: `NAMESPACE`, `USING`. And blocks without their first word.
+//! What stands around blocks and statements in other languages and in software units: `NAMESPACE`, `USING`, `#region`. And blocks without
+//! their first word.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -55,6 +56,36 @@ impl Repair<'_> {
         }
         let ends = self.beside(after).is_some_and(|next| next.kind == RawKind::Semicolon);
         self.drop_tokens(at, if ends { after + 1 } else { after });
+        self.statement = self.at;
+        true
+    }
+
+    /// `#region Start values` and `#endregion`, each in a line of its own.
+    pub(super) fn region_with_sign(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let is = |token: RawToken, word: &str| {
+            token.first_on_line && token.kind == RawKind::Local && self.slice(token).eq_ignore_ascii_case(word)
+        };
+        let (begins, ends) = (is(token, "#region"), is(token, "#endregion"));
+        let is_statement = self.beside(at + 1).is_some_and(|next| next.kind != RawKind::Word);
+        if !(begins || ends) || is_statement || self.is_declared(self.slice(token).trim_start_matches('#')) {
+            return false;
+        }
+        let mut after = at + 1;
+        while self.beside(after).is_some() {
+            after += 1;
+        }
+        // The message about the beginning has the word for its end.
+        if begins || !self.signed_regions {
+            let name = if after > at + 1 { self.words(at + 1, after - 1) } else { "" };
+            let help = match begins {
+                true => format!("write `{}`, and `END_REGION` for `#endregion`", format!("REGION {name}").trim_end()),
+                false => "write `END_REGION`".to_owned(),
+            };
+            self.report(at, after, "a region has no `#`".to_owned(), "a form of other languages", help);
+        }
+        self.signed_regions |= begins;
+        self.drop_tokens(at, after);
         self.statement = self.at;
         true
     }

@@ -29,6 +29,7 @@ impl Repair<'_> {
             RawKind::Arrow => self.value_with_sign() || self.arrow(),
             RawKind::LeftParen => self.type_in_brackets(),
             RawKind::Literal => self.parted_duration(token),
+            RawKind::Local => self.region_with_sign(token),
             RawKind::Hash => self.parted_duration(token) || self.split_local(token) || self.comment_with_hash(token),
             RawKind::Caret => self.power(),
             RawKind::Text => self.doubled_quote(token),
