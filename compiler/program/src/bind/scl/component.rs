@@ -5,10 +5,11 @@
 use std::rc::Rc;
 
 use plcc_binding::constant::Constant;
+use plcc_binding::fold;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::Part;
 use plcc_model::types::{DTL, DataType};
-use plcc_model::{BlockKey, Number, layout};
+use plcc_model::{BlockKey, Direction, Number, Parameter, layout};
 use plcc_syntax::ast::{BlockPrefix, Width};
 use plcc_syntax::scl::ast::{Name, NameForm};
 use plcc_syntax::scl::{db_address, db_area_word};
@@ -63,10 +64,8 @@ impl SclBinder<'_, '_> {
                 None
             }
             Thing::Block { prefix: prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number: Number::Known(number) } => {
-                let base = Span::new(span.file, span.start as usize..name.span.start as usize);
-                let text = self.program.globals.text(base);
-                let text = text.trim_end().trim_end_matches('.').trim_end();
-                let base = Span::new(span.file, span.start as usize..span.start as usize + text.len());
+                let text = self.before_point(name, span);
+                let base = Span { end: span.start + text.len() as u32, ..span };
                 let key = BlockKey { kind: code_kind(prefix)?, number };
                 let help = match self.first_instance(key) {
                     Some(instance) => format!("write `{instance}.{}`", name.text),
@@ -74,6 +73,23 @@ impl SclBinder<'_, '_> {
                 };
                 let title = format!("`{text}` is a function block, and has no data");
                 self.refuse(Code::UnknownMember, base, &title, "its data are in its instances", &help);
+                None
+            }
+            Thing::Block { prefix: prefix @ (BlockPrefix::Fc | BlockPrefix::Sfc), number: Number::Known(number) } => {
+                let text = self.before_point(name, span);
+                let base = Span { end: span.start + text.len() as u32, ..span };
+                let bound = self.program.interface(BlockKey { kind: code_kind(prefix)?, number }, base)?;
+                let is_meant = |parameter: &&Parameter| fold(&parameter.name) == fold(&name.text);
+                let parameter = bound.interface.parameters.iter().find(is_meant);
+                let help = match parameter.map(|parameter| parameter.direction) {
+                    Some(Direction::Output) => format!("take it where it is called: `{text}({} => …)`", name.text),
+                    Some(Direction::Input | Direction::InOut) => {
+                        format!("give it where it is called: `{text}({} := …)`", name.text)
+                    }
+                    None => "what is to be kept is in a data block, or in an instance of a function block".to_owned(),
+                };
+                let title = format!("`{text}` is a function, and keeps no data");
+                self.refuse(Code::UnknownMember, base, &title, "its parameters exist in its calls only", &help);
                 None
             }
             Thing::Constant(Constant::Dtl(bytes)) => self.dtl_component(bytes, name),

@@ -2,6 +2,7 @@
 
 use plcc_binding::report::known_type;
 use plcc_binding::{fold, similar};
+use plcc_diag::Code;
 use plcc_syntax::ast::BlockPrefix;
 use plcc_syntax::scl::ast::{Name, NameForm};
 use plcc_syntax::symbols::SymbolTarget;
@@ -28,6 +29,19 @@ impl SclBinder<'_, '_> {
             let (name, fb) = (&name.text, &fb.name);
             let help = format!("define the instance: `DATA_BLOCK \"{name}\" \"{fb}\" BEGIN END_DATA_BLOCK`");
             self.program.globals.report.missing_instance(name, fb, span, help);
+            return;
+        }
+        let is_fc = |global: &&Global| matches!(global.target, SymbolTarget::Block { prefix: BlockPrefix::Fc, .. });
+        let has_db = |global: &&Global| {
+            let rest = folded.strip_prefix(&fold(&global.name)).and_then(|rest| rest.strip_prefix("_db"));
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+        };
+        if !self.program.globals.input.partial
+            && let Some(function) = blocks().filter(is_fc).find(has_db)
+        {
+            let title = format!("`{}` is not defined, and a function has no instance", name.text);
+            let help = format!("call the function itself: `\"{}\"(…)`", function.name);
+            self.refuse(Code::UnknownBlock, span, &title, "a function keeps no data", &help);
             return;
         }
         if let Some(instruction) = instruction_of_instance(&name.text) {
