@@ -57,8 +57,23 @@ pub(super) fn attributes(
     list
 }
 
-/// Reports what a header says and the file does not.
-pub(super) fn check_header(name: &BlockName, header: &Header, writer: &mut Writer) {
+/// Attributes of the data of an instruction.
+const INSTRUCTION: [&str; 2] = ["InstructionName", "LibVersion"];
+
+/// The instruction whose data a block has, as sources write it: `{ InstructionName := 'IEC_TIMER' }`.
+pub(super) fn instruction(header: &Header) -> Option<&str> {
+    let name = attribute(header, &["InstructionName"])?.trim().trim_matches(['\'', '"']).trim();
+    Some(name).filter(|name| !name.is_empty())
+}
+
+/// The instruction whose data a block has, and its version, as settings of an object.
+pub(super) fn of_instruction(name: &str, header: &Header) -> Vec<Node> {
+    let version = attribute(header, &["LibVersion"]).map(|version| Node::of("OfSystemLibVersion", version.trim()));
+    std::iter::once(Node::of("OfSystemLibElement", name)).chain(version).collect()
+}
+
+/// Reports what a header says and the file does not. `is_instruction`: the file says whose data the block has.
+pub(super) fn check_header(name: &BlockName, header: &Header, is_instruction: bool, writer: &mut Writer) {
     const KNOWN: [&str; 12] = [
         "S7_SetENOAutomatically",
         "SetENOAutomatically",
@@ -74,7 +89,8 @@ pub(super) fn check_header(name: &BlockName, header: &Header, writer: &mut Write
         "S7_EventClass",
     ];
     for (key, _) in &header.attributes {
-        if !KNOWN.iter().any(|known| known.eq_ignore_ascii_case(key)) {
+        let is = |known: &&str| known.eq_ignore_ascii_case(key);
+        if !KNOWN.iter().any(is) && !(is_instruction && INSTRUCTION.iter().any(is)) {
             let title = format!("the attribute `{key}` of `{}` is not in the file", name_of(name));
             writer.warn(name.span(), title, "set it in the editor again");
         }

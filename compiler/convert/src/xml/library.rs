@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use plcc_stdlib::BlockClass;
 use plcc_syntax::ast::{
-    Block, BlockName, BlockPrefix, CodeKind, DataContent, Section, SourceUnit, TypeKind, TypeRef, Variable,
+    Block, BlockName, BlockPrefix, CodeKind, DataBlock, DataContent, Section, SourceUnit, TypeKind, TypeRef, Variable,
 };
 use plcc_syntax::symbols::{SymbolTable, SymbolTarget, parse_address};
 
-use super::header::number_in;
+use super::header::{instruction, number_in};
 use super::system;
 use crate::writer::Writer;
 
@@ -92,6 +92,8 @@ impl Library {
                             library.data_types.push(ty.clone());
                         }
                         DataContent::Struct(members) => {
+                            let of = instruction(&block.header).map(|of| TypeKind::Named(of.to_uppercase()));
+                            library.data_types.extend(of.map(|kind| TypeRef { kind, span: block.span }));
                             library.data_types.extend(members.iter().map(|member| member.ty.clone()));
                         }
                         DataContent::Array(ty, _) => library.data_types.push(ty.clone()),
@@ -149,6 +151,22 @@ impl Library {
             _ => return None,
         };
         self.members.get(&name).or_else(|| self.system.get(&name)).map(Vec::as_slice)
+    }
+
+    /// The instruction whose data a block has that declares their components, as the TIA Portal writes it in sources.
+    pub(super) fn instruction(&self, block: &DataBlock) -> Option<String> {
+        let name = instruction(&block.header)?.to_uppercase();
+        let DataContent::Struct(members) = &block.content else { return None };
+        if self.blocks.contains_key(&name.to_lowercase()) || self.types.contains(&name.to_lowercase()) {
+            return None;
+        }
+        let ty = TypeRef { kind: TypeKind::Named(name.clone()), span: block.span };
+        let known = self.members(&ty)?;
+        let is_known = |member: &Variable| {
+            let same = known.iter().find(|known| known.name.eq_ignore_ascii_case(&member.name));
+            same.is_some_and(|same| same.ty.kind == member.ty.kind)
+        };
+        members.iter().all(is_known).then_some(name)
     }
 
     /// The block of an instance data block.

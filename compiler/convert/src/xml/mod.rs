@@ -27,7 +27,7 @@ pub use library::Library;
 
 use plcc_diag::Diagnostic;
 use plcc_syntax::ast::{
-    Block, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, SourceUnit, TypeBlock, TypeKind,
+    Block, Bound, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, SourceUnit, TypeBlock, TypeKind, TypeRef,
 };
 use plcc_syntax::network::ast::{Content, Language, Network};
 use plcc_syntax::scl::ast::Dialect;
@@ -37,7 +37,7 @@ use crate::frames::bare;
 use crate::node::{self, Node};
 use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
-use header::{attribute, attributes, check_header, standard_remanence};
+use header::{attribute, attributes, check_header, of_instruction, standard_remanence};
 use library::{name_of, referred};
 
 /// The text of a comment. Only `//@` is an assertion; another comment that begins with `@` keeps its brackets.
@@ -167,7 +167,7 @@ fn texts(header: &Header, before: Vec<String>, after: Vec<String>, ids: &mut Ids
 }
 
 fn code(block: &CodeBlock, before: Vec<String>, library: &Library, ids: &mut Ids, writer: &mut Writer) -> Option<Node> {
-    check_header(&block.name, &block.header, writer);
+    check_header(&block.name, &block.header, false, writer);
     writer.written.clone_from(&block.header.comment);
     let kind = match block.kind {
         CodeKind::Ob => "SW.Blocks.OB",
@@ -321,7 +321,7 @@ fn data_type(
     before.extend(writer.header_lines(&block.header, block.name.span().end, &["STRUCT"], first));
     let interface = interface::of_members("None", &block.members, &[], library, writer);
     let after = writer.lines_before(block.span.end);
-    check_header(&block.name, &block.header, writer);
+    check_header(&block.name, &block.header, false, writer);
     let mut list = attributes(&block.name, &block.header, Some(interface), "", library);
     list.children.retain(|child| !matches!(child.name, "AutoNumber" | "ProgrammingLanguage"));
     let texts = Node::new("ObjectList").children(texts(&block.header, before, after, ids));
@@ -335,7 +335,16 @@ fn data(
     ids: &mut Ids,
     writer: &mut Writer,
 ) -> Option<Node> {
-    check_header(&block.name, &block.header, writer);
+    let instruction = library.instruction(block);
+    let is_instruction = match &block.content {
+        DataContent::OfType(TypeRef { kind: TypeKind::Named(of), .. }) => {
+            header::instruction(&block.header).is_none_or(|name| name.eq_ignore_ascii_case(of))
+        }
+        DataContent::OfType(_) | DataContent::Struct(_) | DataContent::Array(..) | DataContent::Empty => {
+            instruction.is_some()
+        }
+    };
+    check_header(&block.name, &block.header, is_instruction, writer);
     let first = match &block.content {
         DataContent::Struct(members) => members.first().map(|member| member.name_span.start),
         DataContent::OfType(_) | DataContent::Array(..) | DataContent::Empty => None,
@@ -356,7 +365,10 @@ fn data(
                     writer.refuse(value.span, "SimaticML has no form for this value of a component", help);
                 }
             }
-            ("SW.Blocks.GlobalDB", interface, Vec::new())
+            match &instruction {
+                Some(name) => ("SW.Blocks.InstanceDB", interface, of_instruction(name, &block.header)),
+                None => ("SW.Blocks.GlobalDB", interface, Vec::new()),
+            }
         }
         DataContent::Empty => {
             ("SW.Blocks.GlobalDB", interface::of_members("Static", &[], &[], library, writer), Vec::new())
@@ -373,7 +385,7 @@ fn data(
                     let kind = if is_type { "UDT" } else { "FB" };
                     vec![Node::of("InstanceOfName", referred(of, library, writer)), Node::of("InstanceOfType", kind)]
                 }
-                _ => vec![Node::of("OfSystemLibElement", interface::type_text(ty, library, writer))],
+                _ => of_instruction(&interface::type_text(ty, library, writer), &block.header),
             };
             ("SW.Blocks.InstanceDB", interface::of_values(&block.values, ty, library, writer), more)
         }
@@ -392,8 +404,7 @@ fn data(
         }
     };
     if let Some(remanence) = standard_remanence(&block.header) {
-        let has_members = matches!(block.content, DataContent::Struct(_));
-        if has_members {
+        if kind == "SW.Blocks.GlobalDB" {
             interface::set_remanence(&mut interface, remanence);
         } else if remanence == "NonRetain" && !block.header.non_retain {
             let title = format!("the file does not say that the data of `{}` are not retentive", name_of(&block.name));

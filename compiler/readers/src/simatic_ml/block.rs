@@ -184,6 +184,11 @@ fn header(object: Node) -> Header {
     attributes.extend(language.map(|language| ("ProgrammingLanguage".to_string(), language)));
     let sets_eno = text("SetENOAutomatically").filter(|value| value == "true");
     attributes.extend(sets_eno.map(|_| ("S7_SetENOAutomatically".to_string(), "TRUE".to_string())));
+    // What a source says of the data of an instruction.
+    if let (Some(name), Some(version)) = (text("OfSystemLibElement"), text("OfSystemLibVersion")) {
+        attributes.push(("InstructionName".to_string(), name));
+        attributes.push(("LibVersion".to_string(), version));
+    }
     let comment = multilingual(object, "Comment").map(|text| text.lines().map(str::to_string).collect());
     Header {
         title: multilingual(object, "Title"),

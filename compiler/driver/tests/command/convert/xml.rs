@@ -293,6 +293,59 @@ fn start_values_of_elements_stay() {
     }
 }
 
+/// The TIA Portal writes the data of timers and counters with their components: in XML they are instances.
+#[test]
+fn data_of_instructions_become_instances() {
+    const SOURCE: &str = r#"//@ cpu s7-1500
+DATA_BLOCK "Wait"
+{InstructionName := 'IEC_TIMER';
+LibVersion := '1.0';
+S7_Optimized_Access := 'TRUE' }
+AUTHOR : Simatic
+NAME : IEC_TMR
+VERSION : 1.0
+NON_RETAIN
+   VAR
+      PT : Time := T#2s;
+      ET : Time;
+      IN : Bool;
+      Q : Bool;
+   END_VAR
+BEGIN
+END_DATA_BLOCK
+
+ORGANIZATION_BLOCK "Main"
+VERSION : 0.1
+BEGIN
+  //@ assert "Wait".PT == T#2s
+  "Wait".TON(IN := TRUE, PT := T#1s);
+  //@ sleep 1500
+  "Wait".TON(IN := TRUE, PT := T#1s);
+  //@ assert "Wait".Q == 1
+END_ORGANIZATION_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), SOURCE).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
+    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    for found in [
+        "<SW.Blocks.InstanceDB",
+        "<OfSystemLibElement>IEC_TIMER</OfSystemLibElement>",
+        "<OfSystemLibVersion>1.0</OfSystemLibVersion>",
+    ] {
+        assert!(document.contains(found), "{found} in\n{document}");
+    }
+    let tested = plcc(folder, &["test", "a.xml"]);
+    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(said.contains("2 passed, 0 failed"), "{said}");
+    let source = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    for found in ["InstructionName := 'IEC_TIMER'; LibVersion := '1.0' }\n", "\nIEC_TIMER\nBEGIN\n    PT := T#2s;\n"] {
+        assert!(source.contains(found), "{found} in\n{source}");
+    }
+}
+
 /// A number that the project chose is left to the project again, unless addresses need it.
 #[test]
 fn automatic_numbers_stay_automatic() {
