@@ -165,6 +165,40 @@ END_ORGANIZATION_BLOCK
     assert!(matches!(outcome, Some(Ok(()))), "{outcome:?} {refused:?}");
 }
 
+/// Start values of an array in a structure are those of each element of the array around it.
+#[test]
+fn values_of_arrays_in_arrays_stay() {
+    let source = r#"DATA_BLOCK DB 1
+STRUCT
+  recipes : ARRAY [1..3] OF STRUCT
+    name : CHAR := 'A';
+    amounts : ARRAY [1..2] OF REAL := 1.0, 2.5;
+  END_STRUCT;
+END_STRUCT
+BEGIN
+  recipes[3].amounts[2] := 0.5;
+END_DATA_BLOCK
+ORGANIZATION_BLOCK OB 1
+BEGIN
+NETWORK
+      SET;
+//@ assert DB1.recipes[1].amounts[1] == 1.0
+//@ assert DB1.recipes[1].amounts[2] == 2.5
+//@ assert DB1.recipes[2].amounts[1] == 1.0
+//@ assert DB1.recipes[2].amounts[2] == 2.5
+//@ assert DB1.recipes[3].amounts[1] == 1.0
+//@ assert DB1.recipes[3].amounts[2] == 0.5
+//@ assert DB1.recipes[3].name == 'A'
+END_ORGANIZATION_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("recipes.stl");
+    fs::write(&file, source).expect("a file");
+    let mut refused = BTreeMap::new();
+    let outcome = as_xml(&file, &mut refused);
+    assert!(matches!(outcome, Some(Ok(()))), "{outcome:?} {refused:?}");
+}
+
 /// SCL has no values of single elements; those of XML become lists, with the values that elements without one have.
 #[test]
 fn values_of_elements_become_lists_of_scl() {

@@ -1,5 +1,6 @@
 //! Declarations: sections, members and their start values.
 
+use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
     Bound, CodeBlock, CodeKind, InitialKind, InitialValue, PathPart, PathRoot, Retain, Section, SectionKind, TypeKind,
@@ -7,14 +8,14 @@ use plcc_syntax::ast::{
 };
 use plcc_syntax::literal::Literal;
 
-use super::{Library, referred};
+use super::{Library, elements, referred};
 use crate::frames::bare;
 use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
 
 /// No array has more start values than this.
-const VALUES_MAX: i64 = 100_000;
+pub(super) const VALUES_MAX: i64 = 100_000;
 
 /// The interface of a block with code.
 pub fn of_code(block: &CodeBlock, library: &Library, writer: &mut Writer) -> Node {
@@ -181,6 +182,9 @@ fn typed(name: &str, ty: &TypeRef, library: &Library, writer: &mut Writer) -> No
     let mut node = Node::new("Member").with("Name", name).with("Datatype", type_text(ty, library, writer));
     if let Some(members) = structure(ty) {
         node.children.extend(members.iter().map(|one| member(one, library, writer)));
+        if !matches!(ty.kind, TypeKind::Struct(_)) && !elements::spread(&mut node, ty) {
+            refuse_at(ty.span, writer);
+        }
     }
     node
 }
@@ -359,8 +363,12 @@ fn component<'n>(
 }
 
 fn refuse(value: &InitialValue, writer: &mut Writer) {
+    refuse_at(value.span, writer);
+}
+
+fn refuse_at(span: Span, writer: &mut Writer) {
     let help = "add the source of its data type, or assign the value in the program";
-    writer.refuse(value.span, "SimaticML has no form for this start value", help);
+    writer.refuse(span, "SimaticML has no form for this start value", help);
 }
 
 /// The values of a list, with those that are repeated.

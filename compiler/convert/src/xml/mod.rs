@@ -1,6 +1,6 @@
 //! SimaticML: the XML of the TIA Portal (Openness).
 //!
-//! - `interface`: declarations with their start values.
+//! - `interface`: declarations with their start values; `elements`: those of arrays of structures.
 //! - `access`: operands.
 //! - `flgnet`, `wires`: networks of LAD and FBD; `order`: the order in which a reader finds their elements.
 //! - `scl`, `stl`: statements as tokens.
@@ -12,6 +12,7 @@
 
 mod access;
 mod chart;
+mod elements;
 mod flgnet;
 mod header;
 mod interface;
