@@ -338,8 +338,11 @@ impl Writer<'_> {
     pub(crate) fn value(&mut self, value: &ValueAssignment) {
         self.remarks_before(value.span.start);
         let target = operand::value_path(&value.target, self);
-        let text = self.initial(&value.value);
-        self.out.line(format!("{target} := {text};"));
+        let mut list = vec![(target, value.value.clone())];
+        if self.has_parts(&value.value) {
+            list = self.parts(list);
+        }
+        self.assignments(&list);
         self.remarks_on_line(value.span.end);
     }
 

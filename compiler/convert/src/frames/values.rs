@@ -63,6 +63,22 @@ impl Writer<'_> {
         }
     }
 
+    /// Whether only components and elements can be assigned, not the whole value.
+    pub(super) fn has_parts(&self, value: &InitialValue) -> bool {
+        let is_named = |fields: &[(Option<Name>, InitialValue)]| fields.iter().any(|(name, _)| name.is_some());
+        has_elements(value)
+            || self.notation == Notation::Stl && matches!(&value.kind, InitialKind::Fields(fields) if is_named(fields))
+    }
+
+    /// Values as those of their components and elements.
+    pub(super) fn parts(&self, list: Assignments) -> Assignments {
+        let mut found = Vec::new();
+        for (path, value) in list {
+            self.spread(path, value, &mut found);
+        }
+        found
+    }
+
     /// Whether a declaration has such a start value.
     fn fits(&self, value: &InitialValue, ty: &TypeRef) -> bool {
         let is_stl = self.notation == Notation::Stl;

@@ -293,6 +293,22 @@ fn start_values_of_elements_stay() {
     }
 }
 
+/// Values of single elements of an instance come back from XML.
+#[test]
+fn values_of_instances_come_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    list : Array[1..3] of STRUCT\n        w : Int;\n        \
+                  r : Real;\n    END_STRUCT;\n    m : Array[0..1, 0..1] of Int;\nEND_VAR\nBEGIN\n    #m[0, 0] := 1;\n\
+                  END_FUNCTION_BLOCK\n\nDATA_BLOCK \"D\"\n\"F\"\nBEGIN\n    list[2].w := 5;\n    list[2].r := 1.5;\n    \
+                  m[1, 0] := 7;\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let back = plcc(folder, &["convert", "a.xml", "--to", "scl"]);
+    assert_eq!(text(&back.stdout), source, "{}", text(&back.stderr));
+}
+
 /// The TIA Portal writes the data of timers and counters with their components: in XML they are instances.
 #[test]
 fn data_of_instructions_become_instances() {
