@@ -22,8 +22,8 @@ use crate::tls;
 pub const CONFLICT: u16 = 409;
 /// How long an answer may take.
 const TIME: Duration = Duration::from_secs(60);
-/// The longest answer.
-const ANSWER_MAX: usize = 1 << 20;
+/// The longest answer: the names or the drawings of a large program.
+const ANSWER_MAX: usize = 64 << 20;
 
 /// What a process has answered.
 #[derive(Clone, Debug)]
@@ -199,5 +199,32 @@ impl Write for Line {
             Line::Plain(stream) => stream.flush(),
             Line::Secured(stream) => stream.flush(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::TcpListener;
+
+    use super::*;
+
+    #[test]
+    fn the_names_of_a_large_program_are_taken() {
+        const BYTES: usize = 3 << 20;
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let server = std::thread::spawn(move || {
+            let (mut stream, _) = listener.accept().unwrap();
+            let mut asked = Vec::new();
+            let mut byte = [0];
+            while !asked.ends_with(b"\r\n\r\n") && stream.read(&mut byte).unwrap() > 0 {
+                asked.extend(byte);
+            }
+            write!(stream, "HTTP/1.1 200 OK\r\nContent-Length: {BYTES}\r\nConnection: close\r\n\r\n").unwrap();
+            stream.write_all(&vec![b'x'; BYTES]).unwrap();
+        });
+        let answer = Process::new(address, None).unwrap().get("/names", None).unwrap();
+        server.join().unwrap();
+        assert_eq!((answer.status, answer.text.len()), (200, BYTES));
     }
 }
