@@ -13,6 +13,7 @@ mod rust7;
 mod s7200;
 mod sparkplug;
 mod tank;
+mod terminal;
 mod tls;
 mod ua;
 
@@ -50,6 +51,7 @@ fn main() {
         trial("page_of_chromium", chromium().err(), || client(&["--web", "--access=control"], "page_client.js")),
         trial("status_in_chromium", chromium().err(), status),
         trial("watch_table_and_forcing_in_chromium", chromium().err(), watch_table),
+        trial("status_in_a_terminal", None, terminal::status),
         trial("s7_of_rust7", None, rust7::talk),
         trial("s7_areas_of_an_s7_200", None, s7200::areas),
         trial("s7_limits_of_an_s7_200", None, s7200::limits),

@@ -154,7 +154,12 @@ pub fn own_clients() -> Result<(), Failed> {
     };
     match first(&certificate)? {
         Incoming::Connected(names, _) if !names.is_empty() => {}
-        Incoming::Connected(..) | Incoming::Table(..) | Incoming::News(_) => {
+        Incoming::Connected(..)
+        | Incoming::Table(..)
+        | Incoming::Names(_)
+        | Incoming::Program(_)
+        | Incoming::Places(..)
+        | Incoming::News(_) => {
             return Err("the names were not listed".into());
         }
         Incoming::Lost(why) => return Err(why.into()),
@@ -162,7 +167,12 @@ pub fn own_clients() -> Result<(), Failed> {
     match first(&unknown)? {
         Incoming::Lost(why) if why.contains("neither that of --tls") => {}
         Incoming::Lost(why) => return Err(why.into()),
-        Incoming::Connected(..) | Incoming::Table(..) | Incoming::News(_) => {
+        Incoming::Connected(..)
+        | Incoming::Table(..)
+        | Incoming::Names(_)
+        | Incoming::Program(_)
+        | Incoming::Places(..)
+        | Incoming::News(_) => {
             return Err("a process that is not known was believed".into());
         }
     }

@@ -3,7 +3,10 @@
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::Duration;
 
+use crate::document::{self, Page};
 use crate::messages::{Listed, News, Order, Sheet};
+use crate::model::Wanted;
+use crate::status::Place;
 use plcc_services::client::{Line, Process};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
@@ -23,6 +26,12 @@ pub enum Incoming {
     Connected(Vec<Listed>, Vec<String>),
     /// A watch table of the project, by its name, all that there are now, and its rows or why it cannot be shown.
     Table(String, Vec<String>, Result<Sheet, String>),
+    /// All values that the program uses, after it has changed.
+    Names(Vec<Listed>),
+    /// The blocks of the program, at first and after it has changed, or why they cannot be shown.
+    Program(Result<Vec<Page>, String>),
+    /// The places of a block where it tells something, or why it has none.
+    Places(String, Result<Vec<Place>, String>),
     News(Box<News>),
     /// The connection is lost, or there is none; and why.
     Lost(String),
@@ -31,8 +40,7 @@ pub enum Incoming {
 /// What the thread is to do.
 enum Task {
     Send(Order),
-    /// Fetch the watch table with this name.
-    Table(String),
+    Fetch(Wanted),
 }
 
 /// The end of the terminal.
@@ -68,30 +76,42 @@ impl Connection {
         let _ = self.tasks.send(Task::Send(order));
     }
 
-    /// Asks for a watch table of the project.
-    pub fn fetch(&self, table: String) {
-        let _ = self.tasks.send(Task::Table(table));
+    /// Asks for something that comes once.
+    pub fn fetch(&self, wanted: Wanted) {
+        let _ = self.tasks.send(Task::Fetch(wanted));
     }
 }
 
 /// Speaks until the connection is lost. Result: why; `None`: the terminal has ended.
 fn speak(process: &Process, session: Option<&str>, tasks: &Receiver<Task>, send: &Sender<Incoming>) -> Option<String> {
-    let (mut socket, names, tables) = match connect(process, session) {
+    let Connected { mut socket, names, tables, pages } = match connect(process, session) {
         Ok(connected) => connected,
         Err(why) => return Some(why),
     };
     // What was asked of the connection before means nothing to this one.
     while tasks.try_recv().is_ok() {}
     send.send(Incoming::Connected(names, tables)).ok()?;
+    send.send(Incoming::Program(pages)).ok()?;
     // How many lists of names the CPU has got, and the number of the last one.
     let mut list = (0, 0);
     loop {
         loop {
             match tasks.try_recv() {
-                Ok(Task::Table(name)) => {
+                Ok(Task::Fetch(Wanted::Table(name))) => {
                     let sheet = table(process, session, &name);
                     let tables = tables_of(process, session).unwrap_or_default();
                     send.send(Incoming::Table(name, tables, sheet)).ok()?;
+                }
+                Ok(Task::Fetch(Wanted::Places(block))) => {
+                    let places = places(process, session, &block);
+                    send.send(Incoming::Places(block, places)).ok()?;
+                }
+                Ok(Task::Fetch(Wanted::Program)) => {
+                    match names_of(process, session) {
+                        Ok(names) => send.send(Incoming::Names(names)).ok()?,
+                        Err(why) => return Some(why),
+                    }
+                    send.send(Incoming::Program(program(process, session))).ok()?;
                 }
                 Ok(Task::Send(order)) => {
                     if let Order::Watch { number, .. } = &order {
@@ -125,9 +145,7 @@ fn speak(process: &Process, session: Option<&str>, tasks: &Receiver<Task>, send:
 
 /// Fetches a watch table. `Err`: the error as a sentence.
 fn table(process: &Process, session: Option<&str>, name: &str) -> Result<Sheet, String> {
-    let encoded: String = name.bytes().map(|byte| format!("%{byte:02X}")).collect();
-    let path = format!("/tables/{encoded}");
-    let answer = process.get(&path, session)?;
+    let answer = process.get(&format!("/tables/{}", encoded(name)), session)?;
     match answer.is_ok() {
         true => serde_json::from_str(&answer.text).map_err(|error| format!("not understood: {error}")),
         false => Err(answer.text),
@@ -141,19 +159,50 @@ fn tables_of(process: &Process, session: Option<&str>) -> Result<Vec<String>, St
     Ok(if answer.is_ok() { serde_json::from_str(&answer.text).unwrap_or_default() } else { Vec::new() })
 }
 
-/// A connection, the values of the program, and the names of its watch tables.
-type Connected = (WebSocket<Line>, Vec<Listed>, Vec<String>);
+/// The places of a block where it tells something. `Err`: it has none, as a sentence.
+fn places(process: &Process, session: Option<&str>, block: &str) -> Result<Vec<Place>, String> {
+    let answer = process.get(&format!("/places/{}", encoded(block)), session)?;
+    match answer.is_ok() {
+        true => serde_json::from_str(&answer.text).map_err(|error| format!("not understood: {error}")),
+        false => Err("this block has no status".to_string()),
+    }
+}
+
+/// The blocks of the program; none if it has no drawings. `Err`: they cannot be shown, as a sentence.
+fn program(process: &Process, session: Option<&str>) -> Result<Vec<Page>, String> {
+    match process.get_bytes("/program", session)? {
+        (200, bytes) => document::pages(&bytes),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// The values of the program.
+fn names_of(process: &Process, session: Option<&str>) -> Result<Vec<Listed>, String> {
+    let listed = process.get("/names", session)?;
+    match listed.status {
+        200 => serde_json::from_str(&listed.text).map_err(|error| format!("not understood: {error}")),
+        401 => Err("sign in with --user".to_string()),
+        status => Err(format!("the process answers with {status}")),
+    }
+}
+
+/// A part of a path.
+fn encoded(name: &str) -> String {
+    name.bytes().map(|byte| format!("%{byte:02X}")).collect()
+}
+
+/// A connection, the values of the program, the names of its watch tables, and its blocks.
+struct Connected {
+    socket: WebSocket<Line>,
+    names: Vec<Listed>,
+    tables: Vec<String>,
+    pages: Result<Vec<Page>, String>,
+}
 
 fn connect(process: &Process, session: Option<&str>) -> Result<Connected, String> {
-    let listed = process.get("/names", session)?;
-    if !listed.is_ok() {
-        return Err(match listed.status {
-            401 => "sign in with --user".to_string(),
-            status => format!("the process answers with {status}"),
-        });
-    }
-    let names = serde_json::from_str(&listed.text).map_err(|error| format!("not understood: {error}"))?;
+    let names = names_of(process, session)?;
     let tables = tables_of(process, session)?;
+    let pages = program(process, session);
     let text = |error: &dyn std::fmt::Display| error.to_string();
     // Whether the connection is encrypted does not matter to the request.
     let request = format!("ws://{}/live", process.address()).into_client_request();
@@ -164,5 +213,5 @@ fn connect(process: &Process, session: Option<&str>) -> Result<Connected, String
     }
     let (socket, _) = tungstenite::client(request, process.connect(BEGIN)?).map_err(|error| text(&error))?;
     socket.get_ref().set_read_timeout(LOOK).map_err(|error| text(&error))?;
-    Ok((socket, names, tables))
+    Ok(Connected { socket, names, tables, pages })
 }

@@ -1,4 +1,8 @@
 //! The picture of the model: head, tree, watch table, diagnostic buffer, and a line that says what keys do.
+//!
+//! - [`block`](mod@block): a block that is open.
+
+mod block;
 
 use plcc_abi::services::Role;
 use ratatui::Frame;
@@ -20,9 +24,14 @@ pub fn draw(model: &Model, frame: &mut Frame) {
     .areas(frame.area());
     let [left, right] = Layout::horizontal([Constraint::Percentage(40), Constraint::Percentage(60)]).areas(middle);
     frame.render_widget(Paragraph::new(self::head(model)), head);
-    program(model, frame, left);
-    watch(model, frame, right);
-    diagnostics(model, frame, below);
+    match &model.block {
+        Some(open) => block::block(model, open, frame, middle.union(below)),
+        None => {
+            program(model, frame, left);
+            watch(model, frame, right);
+            diagnostics(model, frame, below);
+        }
+    }
     frame.render_widget(Paragraph::new(self::foot(model)), foot);
 }
 
@@ -70,7 +79,7 @@ fn program(model: &Model, frame: &mut Frame, area: Rect) {
         "" => "program".to_string(),
         search => format!("program: {search}"),
     };
-    let item = |node: &crate::model::Node| {
+    let item = |node: &crate::tree::Node| {
         let mark = match node.open {
             Some(true) => "▾ ",
             Some(false) => "▸ ",
@@ -162,7 +171,7 @@ fn foot(model: &Model) -> Line<'_> {
         Part::Program => "Enter: open, watch  /: search",
         Part::Watch if model.role() == Role::Change => "f: force  u: end forcing  d: remove",
         Part::Watch => "d: remove",
-        Part::Diagnostics => "",
+        Part::Diagnostics | Part::Block => "",
     };
     let may_modify = model.part == Part::Watch && model.role() != Role::Look;
     let modify = match (may_modify, model.entered.is_empty()) {
@@ -176,6 +185,9 @@ fn foot(model: &Model) -> Line<'_> {
         (Role::Change, false, _) => "  S: stop  R: run",
         (Role::Look | Role::Operate, ..) => "",
     };
+    if model.part == Part::Block {
+        return Line::from(format!("Esc: back  ↑↓ ←→  c: next call{control}  q: leave"));
+    }
     let tables = if model.has_tables() { "  t: next table" } else { "" };
     Line::from(format!("Tab ↑↓  {modify}{own}  a: add{tables}{control}  q: leave"))
 }

@@ -2,6 +2,7 @@
 
 use plcc_abi::services::Role;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// An order to the CPU.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -35,6 +36,15 @@ pub enum Order {
     Run {
         restart: String,
     },
+    /// From now on tell what the statements of this block see; `None`: of none.
+    Status {
+        block: Option<String>,
+        /// One of its calls; `None`: the first one in a cycle.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        call: Option<String>,
+        /// Comes back with what is seen.
+        turn: u64,
+    },
 }
 
 /// A value that something gets.
@@ -60,7 +70,36 @@ pub struct News {
     pub wrong: Vec<(usize, String)>,
     pub buffer: Option<Vec<Entry>>,
     pub forced: Option<Vec<Forced>>,
+    pub status: Option<StatusNews>,
     pub refused: Option<String>,
+}
+
+/// What is new in a block that is watched.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct StatusNews {
+    /// The number that came with the order.
+    pub turn: u64,
+    /// The calls that have run so far.
+    pub calls: Option<Vec<String>>,
+    /// Number of the call that was seen, and of its cycle.
+    pub call: Option<(usize, u64)>,
+    /// Number of the place, and what was seen there; null: it was not reached.
+    pub seen: Vec<(usize, Value)>,
+    pub steps: Option<Vec<Step>>,
+}
+
+/// A step of a chart.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Step {
+    pub step: String,
+    pub active: bool,
+    pub t_ms: Option<i32>,
+    pub u_ms: Option<i32>,
+    /// Its interlock is not satisfied, its supervision has found a fault.
+    pub interlocked: bool,
+    pub faulty: bool,
 }
 
 /// A forced value.
@@ -75,6 +114,9 @@ pub struct Hello {
     pub program: String,
     pub cpu: String,
     pub role: Role,
+    /// The program has code that tells what its statements see.
+    #[serde(default)]
+    pub watchable: bool,
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -85,6 +127,9 @@ pub struct State {
     #[serde(default)]
     pub outputs: bool,
     pub cycle: u64,
+    /// How often the program was changed while it ran.
+    #[serde(default)]
+    pub generation: u64,
 }
 
 #[derive(Clone, Debug, Deserialize)]

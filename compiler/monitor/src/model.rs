@@ -1,8 +1,15 @@
 //! What is known about the CPU, which part of it is shown, and what keys do.
+//!
+//! - [`blocks`]: the block that is open.
+
+mod blocks;
 
 use std::collections::BTreeMap;
 
+use crate::block::Block;
+use crate::document::Page;
 use crate::messages::{Change, Entry, Forced, Hello, News, Order, Shown, State};
+use crate::tree::{Node, tree};
 use plcc_abi::services::Role;
 use ratatui::crossterm::event::KeyCode;
 
@@ -11,11 +18,24 @@ use crate::connection::Incoming;
 /// The parts of the screen that take keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The values of the program.
+    /// The blocks of the program and its values.
     Program,
     /// The watch table.
     Watch,
     Diagnostics,
+    /// The block that is open, in the place of all others.
+    Block,
+}
+
+/// What is to be fetched.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// A watch table of the project.
+    Table(String),
+    /// The places where a block tells what it sees.
+    Places(String),
+    /// Names and blocks of the program, which has changed.
+    Program,
 }
 
 /// What the line at the bottom asks for.
@@ -37,19 +57,6 @@ pub enum Asks {
     Reset,
 }
 
-/// A line of the tree: a name, or a part that several names have in common.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Node {
-    pub depth: usize,
-    /// What is shown.
-    pub label: String,
-    /// The whole name.
-    pub path: String,
-    pub ty: String,
-    /// It has others below it, which are shown or not.
-    pub open: Option<bool>,
-}
-
 /// See the module comment.
 pub struct Model {
     pub address: String,
@@ -59,12 +66,22 @@ pub struct Model {
     pub lost: Option<String>,
     /// Names with their types.
     names: Vec<(String, String)>,
+    /// The blocks.
+    pages: Vec<Page>,
+    /// The block that is open.
+    pub block: Option<Block>,
+    /// Number of the last order for the status of a block.
+    turn: u64,
+    /// Columns at the left of the block that are not shown.
+    pub aside: usize,
     open: Vec<String>,
     pub search: String,
     pub tree: Vec<Node>,
     pub watched: Vec<String>,
     /// Number of this list: what comes for an earlier one is not shown.
     list: u64,
+    /// How often the program had changed when its names and blocks were fetched.
+    generation: Option<u64>,
     /// Formats of watched names, where a table has them.
     formats: BTreeMap<String, String>,
     /// Modify values of watched names, of a table or as they were entered.
@@ -73,15 +90,15 @@ pub struct Model {
     tables: Vec<String>,
     /// The one that is shown.
     pub table: Option<String>,
-    /// One that is to be fetched, and the last one that was.
-    wanted: Option<String>,
+    /// The last one that was asked for.
     asked: Option<String>,
+    wanted: Vec<Wanted>,
     pub values: BTreeMap<String, Result<Shown, String>>,
     pub forced: Vec<Forced>,
     pub buffer: Vec<Entry>,
     pub part: Part,
     /// The row with the cursor, of each part.
-    at: [usize; 3],
+    at: [usize; 4],
     pub asks: Option<(Asks, String)>,
     /// Why an order was not carried out.
     pub refused: String,
@@ -97,22 +114,27 @@ impl Model {
             state: State::default(),
             lost: Some("connecting".to_string()),
             names: Vec::new(),
+            pages: Vec::new(),
+            block: None,
+            turn: 0,
+            aside: 0,
             open: Vec::new(),
             search: String::new(),
             tree: Vec::new(),
             part: if watched.is_empty() { Part::Program } else { Part::Watch },
             watched,
             list: 0,
+            generation: None,
             formats: BTreeMap::new(),
             entered: BTreeMap::new(),
             tables: Vec::new(),
             table: None,
-            wanted: None,
             asked: None,
+            wanted: Vec::new(),
             values: BTreeMap::new(),
             forced: Vec::new(),
             buffer: Vec::new(),
-            at: [0; 3],
+            at: [0; 4],
             asks: None,
             refused: String::new(),
             orders: Vec::new(),
@@ -134,9 +156,9 @@ impl Model {
         self.hello.as_ref().map_or(Role::Look, |hello| hello.role)
     }
 
-    /// A watch table that is to be fetched, once.
-    pub fn wanted(&mut self) -> Option<String> {
-        self.wanted.take()
+    /// What is to be fetched, each once.
+    pub fn wanted(&mut self) -> impl Iterator<Item = Wanted> {
+        std::mem::take(&mut self.wanted).into_iter()
     }
 
     /// The project has watch tables.
@@ -158,11 +180,25 @@ impl Model {
                     *why = "waiting for the CPU".to_string();
                 }
                 self.tables = tables;
+                self.generation = None;
+                self.wanted.clear();
                 self.names = names.into_iter().map(|one| (one.name, one.ty)).collect();
                 self.grow();
                 self.watch();
             }
+            Incoming::Names(names) => {
+                self.names = names.into_iter().map(|one| (one.name, one.ty)).collect();
+                self.grow();
+            }
+            Incoming::Program(Ok(pages)) => {
+                self.pages = pages;
+                self.grow();
+                self.open_again();
+            }
+            Incoming::Program(Err(why)) => self.refused = why,
+            Incoming::Places(key, places) => self.places(&key, places),
             Incoming::Table(name, tables, Ok(sheet)) => {
+                self.close_block();
                 self.tables = tables;
                 self.formats.clear();
                 self.entered.clear();
@@ -188,11 +224,19 @@ impl Model {
     }
 
     fn news(&mut self, news: News) {
-        let News { hello, state, list, values, wrong, buffer, forced, refused } = news;
+        let News { hello, state, list, values, wrong, buffer, forced, status, refused } = news;
         self.hello = hello.or(self.hello.take());
         if let Some(state) = state {
+            // Another program has other names and blocks.
+            if self.generation.replace(state.generation).is_some_and(|before| before != state.generation) {
+                self.wanted.push(Wanted::Program);
+                self.block.iter_mut().for_each(Block::wait);
+            }
             self.state = state;
             self.lost = None;
+        }
+        if let (Some(block), Some(status)) = (&mut self.block, status) {
+            block.take(status);
         }
         if list == Some(self.list) {
             let values = values.into_iter().map(|(number, shown)| (number, Ok(shown)));
@@ -225,40 +269,9 @@ impl Model {
         self.orders.push(Order::Watch { names: self.watched.clone(), formats, number: self.list });
     }
 
-    /// Makes the tree of the names: parts before the last dot are branches.
+    /// Makes the tree.
     fn grow(&mut self) {
-        let search = self.search.to_lowercase();
-        let mut tree: Vec<Node> = Vec::new();
-        let mut last: Vec<&str> = Vec::new();
-        for (name, ty) in &self.names {
-            if !search.is_empty() && !name.to_lowercase().contains(&search) {
-                continue;
-            }
-            let parts: Vec<&str> = name.split('.').collect();
-            // An address such as DB1.DBW2 and I0.0 is one part.
-            let is_address = name.chars().next().is_some_and(char::is_uppercase)
-                && parts.get(1).is_some_and(|part| part.starts_with("DB") || part.parse::<u32>().is_ok());
-            let parts = if is_address { vec![name.as_str()] } else { parts };
-            let common = parts.iter().zip(&last).take_while(|(one, other)| one == other).count();
-            let mut is_hidden = false;
-            for depth in 0..parts.len() {
-                let path = parts[..=depth].join(".");
-                let is_leaf = depth + 1 == parts.len();
-                let is_open = !search.is_empty() || self.open.contains(&path);
-                if (depth >= common || is_leaf) && !is_hidden {
-                    tree.push(Node {
-                        depth,
-                        label: parts[depth].to_string(),
-                        path: path.clone(),
-                        ty: if is_leaf { ty.clone() } else { String::new() },
-                        open: (!is_leaf).then_some(is_open),
-                    });
-                }
-                is_hidden |= !is_leaf && !is_open;
-            }
-            last = parts;
-        }
-        self.tree = tree;
+        self.tree = tree(&self.pages, &self.names, &self.search, &self.open);
         self.at[Part::Program as usize] = self.row(Part::Program).min(self.tree.len().saturating_sub(1));
     }
 
@@ -278,6 +291,9 @@ impl Model {
             return;
         }
         self.refused.clear();
+        if self.part == Part::Block && self.key_in_block(key) {
+            return;
+        }
         match key {
             KeyCode::Esc if !self.search.is_empty() => {
                 self.search.clear();
@@ -288,7 +304,7 @@ impl Model {
                 self.part = match self.part {
                     Part::Program => Part::Watch,
                     Part::Watch => Part::Diagnostics,
-                    Part::Diagnostics => Part::Program,
+                    Part::Diagnostics | Part::Block => Part::Program,
                 };
             }
             KeyCode::Up => self.go(-1),
@@ -305,14 +321,14 @@ impl Model {
             KeyCode::Char('t') => {
                 let at = self.tables.iter().position(|table| Some(table) == self.asked.as_ref());
                 let next = at.map_or(0, |at| (at + 1) % self.tables.len());
-                self.wanted = self.tables.get(next).cloned();
-                self.asked.clone_from(&self.wanted);
+                self.asked = self.tables.get(next).cloned();
+                self.wanted.extend(self.asked.clone().map(Wanted::Table));
             }
             KeyCode::Char('a') => self.asks = Some((Asks::Name, String::new())),
             _ => match self.part {
                 Part::Program => self.key_in_program(key),
                 Part::Watch => self.key_in_watch(key),
-                Part::Diagnostics => {}
+                Part::Diagnostics | Part::Block => {}
             },
         }
     }
@@ -332,6 +348,10 @@ impl Model {
             KeyCode::Char('/') => self.asks = Some((Asks::Search, self.search.clone())),
             KeyCode::Enter | KeyCode::Char(' ') => {
                 let Some(node) = self.tree.get(self.row(Part::Program)).cloned() else { return };
+                if let Some(page) = node.block.and_then(|number| self.pages.get(number)).cloned() {
+                    (self.at[Part::Block as usize], self.aside) = (0, 0);
+                    return self.open_block(page);
+                }
                 match node.open {
                     Some(true) => self.open.retain(|path| *path != node.path),
                     Some(false) => self.open.push(node.path),
@@ -398,6 +418,7 @@ impl Model {
             Part::Program => self.tree.len(),
             Part::Watch => self.watched.len(),
             Part::Diagnostics => self.buffer.len(),
+            Part::Block => self.block.as_ref().map_or(0, |block| block.rows.len()),
         };
         let at = &mut self.at[self.part as usize];
         *at = at.saturating_add_signed(rows).min(count.saturating_sub(1));

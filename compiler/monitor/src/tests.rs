@@ -7,7 +7,9 @@ use ratatui::crossterm::event::KeyCode;
 
 use crate::connection::Incoming;
 use crate::draw::draw;
-use crate::model::Model;
+use crate::model::{Model, Wanted};
+
+mod block;
 
 /// The model as text, a line for each line of the screen.
 fn picture(model: &Model) -> String {
@@ -45,7 +47,7 @@ fn listed() -> Incoming {
 
 fn news(role: &str) -> News {
     serde_json::from_str(&format!(
-        r#"{{"hello": {{"program": "line", "cpu": "s7-1500", "user": "", "role": "{role}"}},
+        r#"{{"hello": {{"program": "line", "cpu": "s7-1500", "user": "", "role": "{role}", "watchable": true}},
             "state": {{"running": true, "reason": "", "cycle": 1204, "generation": 0, "clock": 86399999.0}},
             "buffer": [{{"clock": 3723004.0, "event": 17154, "text": "16#4302 RUN", "place": ""}}]}}"#
     ))
@@ -175,13 +177,14 @@ fn outputs_are_enabled_and_the_memory_is_reset_in_stop() {
 fn watch_tables_of_the_project_are_shown_one_after_the_other() {
     let mut model = model("operate");
     keys(&mut model, "t");
-    assert_eq!(model.wanted(), None, "there are none");
+    assert_eq!(model.wanted().next(), None, "there are none");
     let Incoming::Connected(names, _) = listed() else { unreachable!("it is the list") };
     model.take(Incoming::Connected(names, ["level", "speed"].map(str::to_string).to_vec()));
     let _ = model.orders().count();
     keys(&mut model, "t");
-    assert_eq!(model.wanted().as_deref(), Some("level"));
-    assert_eq!(model.wanted(), None);
+    let table = |name: &str| vec![Wanted::Table(name.to_string())];
+    assert_eq!(model.wanted().collect::<Vec<_>>(), table("level"));
+    assert_eq!(model.wanted().next(), None);
     let sheet = r#"{"row": [{"address": "MW10", "format": "dec", "comment": "x", "modify": "120", "trigger": "end"},
         {"address": "MW10"}, {"address": "I0.0"}]}"#;
     let all = || ["level", "speed"].map(str::to_string).to_vec();
@@ -206,12 +209,12 @@ fn watch_tables_of_the_project_are_shown_one_after_the_other() {
     keys(&mut model, "aMW10\n");
     let _ = model.orders().count();
     keys(&mut model, "t");
-    assert_eq!(model.wanted().as_deref(), Some("speed"));
+    assert_eq!(model.wanted().collect::<Vec<_>>(), table("speed"));
     model.take(Incoming::Table("speed".to_string(), all(), Err("tables/speed.toml: line 2: wrong".to_string())));
     assert_eq!((model.table.as_deref(), model.watched.len()), (Some("level"), 2), "the one before stays");
     assert!(model.refused.contains("line 2"));
     keys(&mut model, "t");
-    assert_eq!(model.wanted().as_deref(), Some("level"), "the one that cannot be shown is passed");
+    assert_eq!(model.wanted().collect::<Vec<_>>(), table("level"), "the one that cannot be shown is passed");
 }
 
 #[test]
@@ -253,7 +256,8 @@ fn a_lost_connection_is_told_and_begins_anew() {
 fn no_key_and_no_news_do_harm() {
     let mut model = Model::new("", Vec::new());
     let entry = Entry { clock: f64::NAN, text: String::new(), place: String::new() };
-    let hello = Hello { program: String::new(), cpu: String::new(), role: plcc_abi::services::Role::Look };
+    let hello =
+        Hello { program: String::new(), cpu: String::new(), role: plcc_abi::services::Role::Look, watchable: true };
     for round in 0..3 {
         keys(&mut model, "t\n↓↑\tmfud\n↑↓\t\n/x\n\ta\n");
         let _ = picture(&model);

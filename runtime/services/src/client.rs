@@ -9,6 +9,7 @@ use std::time::Duration;
 use axum::body::{Body, Bytes, to_bytes};
 use axum::http::header::{CONTENT_TYPE, COOKIE, HOST, SET_COOKIE};
 use axum::http::request::Builder;
+use axum::http::response::Parts;
 use axum::http::{HeaderMap, Request};
 use hyper_util::rt::TokioIo;
 use tokio::time::timeout;
@@ -75,6 +76,12 @@ impl Process {
         self.send(Request::get(path), session, None, Vec::new())
     }
 
+    /// As [`Process::get`], of what is not a text: its status and its bytes.
+    pub fn get_bytes(&self, path: &str, session: Option<&str>) -> Result<(u16, Vec<u8>), String> {
+        let (head, body) = self.ask(Request::get(path), session, None, Vec::new())?;
+        Ok((head.status.as_u16(), body.to_vec()))
+    }
+
     /// Sends a request with a body; `session` is what [`Process::sign_in`] gave. `Err`: there was no answer.
     pub fn post(&self, path: &str, session: Option<&str>, body: &[u8]) -> Result<Answer, String> {
         self.send(Request::post(path), session, None, body.to_vec())
@@ -106,6 +113,18 @@ impl Process {
         kind: Option<&str>,
         body: Vec<u8>,
     ) -> Result<Answer, String> {
+        let (head, body) = self.ask(request, session, kind, body)?;
+        let text = String::from_utf8_lossy(&body).into_owned();
+        Ok(Answer { status: head.status.as_u16(), text, headers: head.headers })
+    }
+
+    fn ask(
+        &self,
+        request: Builder,
+        session: Option<&str>,
+        kind: Option<&str>,
+        body: Vec<u8>,
+    ) -> Result<(Parts, Bytes), String> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build();
         let runtime = runtime.map_err(|error| error.to_string())?;
         let mut request = request.header(HOST, self.address.to_string());
@@ -124,7 +143,7 @@ impl Process {
         })
     }
 
-    async fn exchange(&self, request: Request<Body>) -> Result<Answer, String> {
+    async fn exchange(&self, request: Request<Body>) -> Result<(Parts, Bytes), String> {
         let stream = tokio::net::TcpStream::connect(self.address).await.map_err(|error| unreached(&error))?;
         let stream: Box<dyn tls::Stream> = match &self.secured {
             None => Box::new(stream),
@@ -147,8 +166,7 @@ impl Process {
         let response = sender.send_request(request).await.map_err(wrong)?;
         let (head, body) = response.into_parts();
         let body: Bytes = to_bytes(Body::new(body), ANSWER_MAX).await.map_err(|error| error.to_string())?;
-        let text = String::from_utf8_lossy(&body).into_owned();
-        Ok(Answer { status: head.status.as_u16(), text, headers: head.headers })
+        Ok((head, body))
     }
 }
 

@@ -1,0 +1,169 @@
+//! A block with what its statements see, as lines.
+
+use crate::document::{Code, Page, Section};
+use crate::drawing::Drawing;
+use crate::listing::{self, Listing};
+use crate::messages::{Order, StatusNews, Step};
+use crate::row::{Row, Tone, piece};
+use crate::status::{Place, Status};
+
+/// The block that is shown.
+pub struct Block {
+    page: Page,
+    /// Its networks; they are made when it is known what the program tells of them.
+    contents: Vec<Content>,
+    status: Status,
+    /// The call that is wanted; `None`: the first one in a cycle.
+    call: Option<String>,
+    /// Number of the order whose news are shown; 0: of none.
+    turn: u64,
+    /// What is known of its status.
+    pub note: String,
+    pub rows: Vec<Row>,
+}
+
+/// What a network shows.
+enum Content {
+    Lines(Listing),
+    Drawing(Drawing),
+}
+
+impl Block {
+    /// A block of which no status is known. `note`: why.
+    pub fn new(page: Page, note: &str) -> Block {
+        let mut block = Block {
+            page,
+            contents: Vec::new(),
+            status: Status::default(),
+            call: None,
+            turn: 0,
+            note: note.to_string(),
+            rows: Vec::new(),
+        };
+        block.fill(Vec::new());
+        block
+    }
+
+    /// `FB1`
+    pub fn key(&self) -> String {
+        self.page.key()
+    }
+
+    /// `FB 1 Counting, LAD`
+    pub fn title(&self) -> String {
+        let Page { language, title, .. } = &self.page;
+        let title = if title.is_empty() { String::new() } else { format!(", {title}") };
+        format!("{}, {language}{title}", self.page.label())
+    }
+
+    /// The places where the program tells something have come.
+    pub fn fill(&mut self, places: Vec<Place>) {
+        let status = Status::new(places);
+        let codes: Vec<Option<Code>> = self.page.sections.iter().map(|section| section.lines()).collect();
+        let width = listing::width(codes.iter().flatten());
+        let content = |(section, code): (&Section, &Option<Code>)| match code {
+            Some(code) => Content::Lines(Listing::new(code, &status, width)),
+            None => Content::Drawing(Drawing::new(section.svg.as_deref().unwrap_or_default(), section.logic.as_ref())),
+        };
+        self.contents = self.page.sections.iter().zip(&codes).map(content).collect();
+        self.status = status;
+        self.make();
+    }
+
+    /// What comes until the block is asked for again is of another program.
+    pub fn wait(&mut self) {
+        self.turn = 0;
+    }
+
+    /// Asks for the status of the call that is wanted.
+    pub fn ask(&mut self, turn: u64) -> Order {
+        self.turn = turn;
+        Order::Status { block: Some(self.key()), call: self.call.clone(), turn }
+    }
+
+    /// The next of the calls is wanted. False: there is only one.
+    pub fn next_call(&mut self) -> bool {
+        let calls = &self.status.calls;
+        if calls.len() < 2 && self.call.is_none() {
+            return false;
+        }
+        let at = calls.iter().position(|call| Some(call) == self.call.as_ref());
+        // After the last one the first one in a cycle.
+        self.call = calls.get(at.map_or(0, |at| at + 1)).cloned();
+        self.status.forget();
+        self.note = "not called since then".to_string();
+        self.make();
+        true
+    }
+
+    /// What the program tells.
+    pub fn take(&mut self, news: StatusNews) {
+        if news.turn != self.turn {
+            return;
+        }
+        self.status.take(news);
+        if let Some((call, cycle)) = self.status.call {
+            let call = self.status.calls.get(call).map_or("", String::as_str);
+            self.note = format!("{call} in cycle {cycle}");
+            if self.status.calls.len() > 1 && self.call.is_none() {
+                self.note.push_str(&format!(", the first of {} calls", self.status.calls.len()));
+            }
+        }
+        self.make();
+    }
+
+    /// The lines as they are now.
+    fn make(&mut self) {
+        let mut rows = steps(&self.status.steps);
+        for (section, content) in self.page.sections.iter().zip(&self.contents) {
+            let title = match (section.number, section.title.as_str()) {
+                (0, title) => title.to_string(),
+                (number, "") => format!("Network {number}"),
+                (number, title) => format!("Network {number}: {title}"),
+            };
+            if !title.is_empty() {
+                rows.push(vec![piece(title, Tone::Title)]);
+            }
+            if !section.labels.is_empty() {
+                rows.push(vec![piece(format!("{}:", section.labels.join(", ")), Tone::Note)]);
+            }
+            rows.extend(match content {
+                Content::Lines(listing) => listing.rows(&self.status),
+                Content::Drawing(drawing) => drawing.rows(&self.status),
+            });
+            rows.push(Row::new());
+        }
+        if rows.last().is_some_and(Vec::is_empty) {
+            rows.pop();
+        }
+        self.rows = rows;
+    }
+}
+
+/// The active steps of a chart with their times, and those that were left with a fault.
+fn steps(all: &[Step]) -> Vec<Row> {
+    let shown: Vec<&Step> = all.iter().filter(|step| step.active || step.faulty).collect();
+    if shown.is_empty() {
+        return Vec::new();
+    }
+    let width = shown.iter().map(|step| step.step.chars().count()).max().unwrap_or(0).clamp(4, 40);
+    let seconds = |ms: Option<i32>| ms.map_or_else(String::new, |ms| format!("{:.1} s", f64::from(ms) / 1000.0));
+    let row = |step: &&Step| {
+        let left = if step.active { "" } else { "left  " };
+        let interlock = if step.interlocked { "interlock not satisfied  " } else { "" };
+        let fault = if step.faulty { "supervision fault" } else { "" };
+        let line = format!("{:width$}  {:>10}  {:>10}  ", step.step, seconds(step.t_ms), seconds(step.u_ms));
+        let text = format!("{line}{left}{interlock}{fault}");
+        let tone = match (step.faulty, step.active) {
+            (true, _) => Tone::Faulty,
+            (false, true) => Tone::On,
+            (false, false) => Tone::Plain,
+        };
+        vec![piece(text.trim_end(), tone)]
+    };
+    let head = format!("{:width$}  {:>10}  {:>10}", "Step", "T", "U");
+    let mut rows = vec![vec![piece(head, Tone::Title)]];
+    rows.extend(shown.iter().map(row));
+    rows.push(Row::new());
+    rows
+}

@@ -1,0 +1,39 @@
+//! The block that is open, in the place of all parts.
+
+use ratatui::Frame;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, Paragraph};
+
+use super::colored;
+use crate::block;
+use crate::model::{Model, Part};
+use crate::row::{Row, Tone};
+
+pub fn block(model: &Model, open: &block::Block, frame: &mut Frame, area: Rect) {
+    let lines: Vec<Line> = open.rows.iter().skip(model.row(Part::Block)).take(area.height.into()).map(line).collect();
+    let edge = Block::bordered()
+        .title(format!(" {} ", open.title()))
+        .title_bottom(format!(" {} ", open.note))
+        .border_style(Style::new().add_modifier(Modifier::BOLD));
+    let aside = u16::try_from(model.aside).unwrap_or(u16::MAX);
+    frame.render_widget(Paragraph::new(lines).scroll((0, aside)).block(edge), area);
+}
+
+fn line(row: &Row) -> Line<'_> {
+    row.iter().map(|piece| Span::styled(piece.text.as_str(), style(piece.tone))).collect()
+}
+
+fn style(tone: Tone) -> Style {
+    match tone {
+        Tone::Plain => Style::new(),
+        Tone::Title => Style::new().add_modifier(Modifier::BOLD),
+        Tone::Note | Tone::Unknown => Style::new().fg(Color::DarkGray),
+        Tone::On => Style::new().fg(Color::Green).add_modifier(Modifier::BOLD),
+        Tone::Off => Style::new().fg(Color::Blue),
+        Tone::Value => Style::new().fg(Color::Yellow),
+        Tone::Active => colored(Color::Green),
+        Tone::Faulty => colored(Color::Red),
+    }
+}

@@ -1,0 +1,82 @@
+//! The block that is open: where its status comes from, and what keys do there.
+
+use ratatui::crossterm::event::KeyCode;
+
+use super::{Model, Part, Wanted};
+use crate::block::Block;
+use crate::document::Page;
+use crate::messages::Order;
+use crate::status::Place;
+
+/// Columns of a block that can be passed at its left.
+const ASIDE_MAX: usize = 1_000;
+
+impl Model {
+    /// Opens a block, and asks for its status.
+    pub(super) fn open_block(&mut self, page: Page) {
+        let is_watchable = self.hello.as_ref().is_none_or(|hello| hello.watchable);
+        let note = match is_watchable {
+            true => "not called so far",
+            false => "without status: the program was built with --no-monitor",
+        };
+        if is_watchable {
+            self.wanted.push(Wanted::Places(page.key()));
+        }
+        self.block = Some(Block::new(page, note));
+        self.part = Part::Block;
+    }
+
+    /// The block that is open is another one, or its connection is.
+    pub(super) fn open_again(&mut self) {
+        let Some(key) = self.block.as_ref().map(Block::key) else { return };
+        match self.pages.iter().find(|page| page.key() == key).cloned() {
+            Some(page) => self.open_block(page),
+            None => {
+                self.close_block();
+                self.refused = format!("the program has no block {key} now");
+            }
+        }
+    }
+
+    pub(super) fn close_block(&mut self) {
+        if self.block.take().is_some() {
+            self.orders.push(Order::Status { block: None, call: None, turn: 0 });
+            self.part = Part::Program;
+        }
+    }
+
+    /// The places of a block have come, if it is still open.
+    pub(super) fn places(&mut self, key: &str, places: Result<Vec<Place>, String>) {
+        let Some(block) = self.block.as_mut().filter(|block| block.key() == key) else { return };
+        match places {
+            Ok(places) => {
+                block.fill(places);
+                self.turn += 1;
+                self.orders.push(block.ask(self.turn));
+            }
+            Err(why) => block.note = why,
+        }
+    }
+
+    /// A key in an open block. False: it means the same as elsewhere.
+    pub(super) fn key_in_block(&mut self, key: KeyCode) -> bool {
+        match key {
+            KeyCode::Esc | KeyCode::Enter | KeyCode::Backspace | KeyCode::Tab => self.close_block(),
+            KeyCode::Left => self.aside = self.aside.saturating_sub(8),
+            KeyCode::Right => self.aside = (self.aside + 8).min(ASIDE_MAX),
+            KeyCode::Home => (self.at[Part::Block as usize], self.aside) = (0, 0),
+            KeyCode::Char('c') => {
+                if let Some(block) = &mut self.block
+                    && block.next_call()
+                {
+                    self.turn += 1;
+                    self.orders.push(block.ask(self.turn));
+                }
+            }
+            KeyCode::Up | KeyCode::Down | KeyCode::PageUp | KeyCode::PageDown => return false,
+            KeyCode::Char('q' | 'S' | 'R' | 'O' | 'C') => return false,
+            _ => {}
+        }
+        true
+    }
+}
