@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::AssertType;
+use plcc_abi::image::{AssertType, BlockKind};
 use plcc_abi::technology::CountMode;
 use plcc_literal::distance::nearest;
 use plcc_literal::toml_words;
@@ -334,20 +334,35 @@ fn scalar_text(value: &toml::Value) -> Result<String, String> {
     }
 }
 
+/// The event that starts an OB; it is written `OB40`, or with the name of the block.
+fn event_of(name: &str, image: &ProgramImage) -> Result<Event, String> {
+    let text = name.trim().trim_matches('"');
+    let upper = text.to_ascii_uppercase();
+    let number = upper.strip_prefix("OB").and_then(|digits| digits.trim().parse::<u16>().ok());
+    let obs = || image.blocks.iter().filter(|block| block.kind == BlockKind::Ob && !block.name.is_empty());
+    let named = || obs().find(|block| block.name.to_lowercase() == text.to_lowercase()).map(|block| block.number);
+    let event = |ob: u16| events::usual(ob, image.config.class_of(ob));
+    number.or_else(named).and_then(event).ok_or_else(|| {
+        let names = obs().filter(|block| event(block.number).is_some()).map(|block| block.name.as_str());
+        let help = match nearest(text, names) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "those are OB 10-17, 20-23, 30-38, 40-47, 55-57, 80-88 and interrupts from OB 123 on".to_string(),
+        };
+        format!("`{name}` is not an OB that an event starts; {help}")
+    })
+}
+
 /// `"OB40"`, or a table with `ob` and fields of its start information.
 fn parse_event(event: &toml::Value, image: &ProgramImage) -> Result<Event, String> {
-    let number = |name: &str| {
-        let digits = name.trim().to_ascii_uppercase();
-        let number = digits.strip_prefix("OB").map(str::trim).and_then(|digits| digits.parse().ok());
-        number.and_then(|ob| events::usual(ob, image.config.class_of(ob))).ok_or_else(|| {
-            format!("`{name}` is not an OB that an event starts; those are OB 10-17, 20-23, 30-38, 40-47, 55-57, 80-88 and interrupts from OB 123 on")
-        })
-    };
     match event {
-        toml::Value::String(name) => number(name),
+        toml::Value::String(name) => event_of(name, image),
         toml::Value::Table(table) => {
-            let name = table.get("ob").or_else(|| table.get("OB")).and_then(toml::Value::as_str);
-            let mut event = number(name.ok_or("an event needs `ob = \"OB40\"`")?)?;
+            let ob = table.get("ob").or_else(|| table.get("OB"));
+            if let Some(toml::Value::Integer(number)) = ob {
+                return Err(format!("the name of an OB is a text; write `ob = \"OB{number}\"`"));
+            }
+            let name = ob.and_then(toml::Value::as_str).ok_or("an event needs `ob = \"OB40\"`")?;
+            let mut event = event_of(name, image)?;
             for (key, given) in table.iter().filter(|(key, _)| !key.eq_ignore_ascii_case("ob")) {
                 let class = image.config.class_of(event.ob);
                 let field = events::find_field(event.ob, class, key).ok_or_else(|| {
@@ -369,10 +384,9 @@ fn parse_event(event: &toml::Value, image: &ProgramImage) -> Result<Event, Strin
             }
             Ok(event)
         }
-        toml::Value::Integer(_)
-        | toml::Value::Float(_)
-        | toml::Value::Boolean(_)
-        | toml::Value::Datetime(_)
-        | toml::Value::Array(_) => Err("an event is a text such as \"OB40\", or a table with `ob`".to_string()),
+        toml::Value::Integer(number) => Err(format!("the name of an OB is a text; write `event = \"OB{number}\"`")),
+        toml::Value::Float(_) | toml::Value::Boolean(_) | toml::Value::Datetime(_) | toml::Value::Array(_) => {
+            Err("an event is a text such as \"OB40\", or a table with `ob`".to_string())
+        }
     }
 }
