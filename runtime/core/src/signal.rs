@@ -17,6 +17,7 @@ mod reading;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::AssertType;
+use plcc_literal::distance::nearest;
 
 use crate::address::{Address, Bits, Place, Width};
 use crate::analog::{self, Scale};
@@ -91,7 +92,10 @@ impl Source {
         if let Some(name) = text.strip_prefix("plant.") {
             let plant = plant.ok_or("there is no plant; a scenario defines one in `[plant]`")?;
             let name = without_unit(name);
-            return plant.find(name).map(Source::Plant).ok_or_else(|| format!("the plant has no value `{name}`"));
+            return plant.find(name).map(Source::Plant).ok_or_else(|| match nearest(name, plant.names()) {
+                Some(near) => format!("the plant has no value `{name}`; did you mean `{near}`?"),
+                None => format!("the plant has no value `{name}`"),
+            });
         }
         if let Some(rest) = text.strip_prefix("pulse.") {
             return pulse(without_unit(rest), image);

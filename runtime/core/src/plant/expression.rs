@@ -16,6 +16,14 @@ const BUILT_IN: [&str; 22] = [
     "acos", "atan", "sinh", "cosh", "tanh", "and", "or",
 ];
 
+/// Operators and constants of PLC languages, and how they are written here.
+const OTHER_WORDS: [(&str, &str); 6] =
+    [("AND", "&&"), ("OR", "||"), ("NOT", "!"), ("MOD", "%"), ("TRUE", "1"), ("FALSE", "0")];
+
+/// Functions of PLC languages, and what they are here.
+const OTHER_FUNCTIONS: [(&str, &str); 3] =
+    [("limit", "clamp(value, low, high)"), ("sel", "if(condition, yes, no)"), ("trunc", "int(value)")];
+
 /// True for a name that a value may have.
 pub(super) fn is_name(name: &str) -> bool {
     let mut letters = name.chars();
@@ -48,6 +56,23 @@ fn marked(text: &str) -> String {
     marked
 }
 
+/// What is written as in a PLC language, as a sentence.
+fn other_language(text: &str, is_known: impl Fn(&str) -> bool) -> Option<String> {
+    let mut words = text.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let other = words.find_map(|word| {
+        let (_, own) = OTHER_WORDS.iter().find(|(other, _)| other.eq_ignore_ascii_case(word))?;
+        (!is_function(word) && !is_known(word)).then_some((word, *own))
+    });
+    if let Some((word, own)) = other {
+        return Some(format!("`{text}`: `{word}` is written `{own}` here"));
+    }
+    if text.contains("<>") {
+        return Some(format!("`{text}`: `<>` is written `!=` here"));
+    }
+    let compares = text.replace("==", "").replace("<=", "").replace(">=", "").replace("!=", "").contains('=');
+    compares.then(|| format!("`{text}`: a comparison is written `==` here"))
+}
+
 /// An expression that was parsed.
 pub struct Expression {
     slab: Slab,
@@ -66,15 +91,16 @@ impl Expression {
         if !text.is_ascii() || text.contains(['"', '[', ']']) {
             return Err(format!("`{text}` is not an expression: write numbers, names, operators and functions"));
         }
+        if let Some(message) = other_language(text, &is_known) {
+            return Err(message);
+        }
         let mut slab = Slab::new();
         let root = Parser::new().parse(&marked(text), &mut slab.ps).map_err(|error| wrong(text, &error))?;
         let names = root.from(&slab.ps).var_names(&slab);
         let values = names.iter().filter_map(|name| name.strip_prefix(MARK));
         if let Some(name) = values.into_iter().find(|name| !is_known(name)) {
-            let functions = BUILT_IN.into_iter().chain(FUNCTIONS.map(|(function, _)| function));
-            let is_called = text.replace(' ', "").contains(&format!("{name}("));
-            if let Some(meant) = nearest(name, functions).filter(|_| is_called) {
-                return Err(format!("`{name}` is not a known function; did you mean `{meant}`?"));
+            if text.replace(' ', "").contains(&format!("{name}(")) {
+                return Err(unknown_function(name));
             }
             return Err(format!(
                 "`{name}` is not known here; use values that are read, earlier equations, states or parameters"
@@ -106,6 +132,22 @@ impl Expression {
             _ => None,
         };
         self.root.from(&self.slab.ps).eval(&self.slab, &mut names)
+    }
+}
+
+/// A call of something that is neither a function nor a value.
+fn unknown_function(name: &str) -> String {
+    if let Some((_, own)) = OTHER_FUNCTIONS.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)) {
+        return format!("`{name}` is written `{own}` here");
+    }
+    let is_called = |word: &&str| !["e", "pi", "and", "or"].contains(word);
+    let functions = || FUNCTIONS.into_iter().map(|(function, _)| function).chain(BUILT_IN).filter(is_called);
+    match nearest(name, functions()) {
+        Some(meant) => format!("`{name}` is not a known function; did you mean `{meant}`?"),
+        None => {
+            let list: Vec<&str> = functions().collect();
+            format!("`{name}` is not a known function; the functions are {}", list.join(", "))
+        }
     }
 }
 
@@ -163,6 +205,12 @@ mod tests {
             ("level level", "`level` is not understood"),
             ("lvel", "`lvel` is not known here"),
             ("sqr(level)", "`sqr` is not a known function; did you mean `sqrt`?"),
+            ("scale(level)", "`scale` is not a known function; the functions are if, clamp, sqrt"),
+            ("LIMIT(0, level, 1)", "`LIMIT` is written `clamp(value, low, high)` here"),
+            ("if(level > 1 AND pump, 1, 0)", "`AND` is written `&&` here"),
+            ("not pump", "`not` is written `!` here"),
+            ("level <> 1", "`<>` is written `!=` here"),
+            ("if(level = 1, 2, 3)", "a comparison is written `==` here"),
             ("(level + 1", "ends too early: a `)` is missing"),
             ("sqrt(1, 2)", "sqrt takes 1 argument"),
             ("if(1)", "if takes 3 arguments"),

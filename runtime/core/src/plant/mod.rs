@@ -80,6 +80,11 @@ impl Plant {
         self.numbers.get(name).copied()
     }
 
+    /// The names of all values.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(String::as_str)
+    }
+
     pub fn value(&self, index: usize) -> f64 {
         self.values.get(index).copied().unwrap_or(0.0)
     }

@@ -49,6 +49,11 @@ impl PlantText {
         }
         for (name, source) in &self.read {
             let at = source.span().start;
+            let text = source.get_ref();
+            let is_turned = !expression::is_name(name) && expression::is_name(text);
+            if is_turned && reader.source(name, is_output, "").is_ok() {
+                return Err((at, format!("the name of the value is on the left; write `{text} = \"{name}\"`")));
+            }
             let index = reader.add(name, at)?;
             let source =
                 reader.source(source.get_ref(), is_output, "an output (Q, PQ, AO)").map_err(|text| (at, text))?;
@@ -156,6 +161,11 @@ impl Reader<'_> {
 
     fn write(&mut self, name: &str, text: &Spanned<String>) -> Result<(), Wrong> {
         let at = text.span().start;
+        let turned = text.get_ref();
+        let is_value = |name: &str| self.plant.find(name).is_some();
+        if is_value(name) && !is_value(turned) && self.source(turned, is_input, "").is_ok() {
+            return Err((at, format!("the input is on the left; write `\"{turned}\" = \"{name}\"`")));
+        }
         let input = self.source(name, is_input, "an input (I, PI, AI)").map_err(|text| (at, text))?;
         let expression = self.expression(text.get_ref(), at)?;
         self.plant.writes.push(Write { name: name.to_string(), input, expression, line: (self.line)(at) });

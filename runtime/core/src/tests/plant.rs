@@ -142,6 +142,15 @@ fn what_is_wrong_in_a_plant_has_its_line() {
         ("[plant.state]\nmin = 1\n", "s.toml:2: `min` cannot be the name"),
         ("[plant.state]\na = 1\n[plant.parameters]\na = 1\n", "s.toml:2: the plant has two values `a`"),
         ("[plant.read]\na = \"I0.0\"\n", "s.toml:2: `I0.0` is not an output"),
+        ("[plant.read]\n\"Q0.0\" = \"a\"\n", "s.toml:2: the name of the value is on the left; write `a = \"Q0.0\"`"),
+        (
+            "[plant.state]\na = 1\n[plant.write]\na = \"I0.0\"\n",
+            "s.toml:4: the input is on the left; write `\"I0.0\" = \"a\"`",
+        ),
+        (
+            "[plant.state]\nlevel = 1\n[[at]]\ncycle = 1\nexpect = { \"plant.levl\" = 1 }\n",
+            "s.toml:5: plant.levl: the plant has no value `levl`; did you mean `level`?",
+        ),
         ("[plant.write]\n\"Q0.0\" = \"1\"\n", "s.toml:2: `Q0.0` is not an input"),
         ("[plant.write]\n\"AI0 in V\" = \"1\"\n", "s.toml:2: the channel has the range 4..20 mA"),
         ("[plant]\nspeed = 1\n", "s.toml:2: `speed` is not a key here"),
