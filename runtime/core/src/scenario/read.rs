@@ -176,6 +176,12 @@ impl Reader<'_> {
             flatten(name, value.get_ref(), value.span().start, &mut flat);
         }
         for (name, value, offset) in flat {
+            if value.is_array() {
+                let message = format!(
+                    "{name}: a list is not a value; name each element of an array, such as `{name}[1]`, and write a range as in `\"50 +- 2\"`"
+                );
+                return self.error(offset, &message);
+            }
             let parsed = scalar_text(value).and_then(|text| setting(self, &name, &text));
             let (source, value, tolerance) =
                 parsed.or_else(|message| self.error(offset, &format!("{name}: {message}")))?;
@@ -191,13 +197,26 @@ impl Reader<'_> {
     fn to_set(&self, name: &str, text: &str) -> Result<Wanted, String> {
         let source = Source::find(name, self.image, None)?;
         source.check_settable()?;
+        if !is_text(&source, text)
+            && let Some((middle, _)) = with_tolerance(text).split_once("+-")
+        {
+            return Err(format!("a tolerance is only for `expect`; write {}", middle.trim()));
+        }
         Ok((source, source.parse(text, self.image)?, 0.0))
     }
 
     /// As to set, or with a tolerance: `"AO0" = "50 +- 2 %"`, `"Level" = "50 +- 0.5"`, `"plant.level" = 3.0`.
     fn to_expect(&self, name: &str, text: &str) -> Result<Wanted, String> {
         let source = Source::find(name, self.image, self.plant)?;
-        let is_text = matches!(source, Source::Typed(_, ty) if typed::bits(ty.ty).is_none());
+        let is_text = is_text(&source, text);
+        let plain = if is_text { text.to_string() } else { with_tolerance(text) };
+        let text = plain.as_str();
+        let compared = text.trim_start().strip_prefix(['<', '>', '=']).map(|rest| rest.trim_start_matches(['=', '>']));
+        if let Some(number) = compared.map(str::trim).filter(|_| !is_text) {
+            return Err(format!(
+                "`{text}`: a comparison is not possible here; write a value, with a tolerance as in `\"{number} +- 0.1\"`"
+            ));
+        }
         let Some((middle, tolerance)) = text.split_once("+-").filter(|_| !is_text) else {
             return Ok((source, source.parse(text, self.image)?, 0.0));
         };
@@ -303,6 +322,16 @@ fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec
         }
         value => flat.push((name.to_string(), value, offset)),
     }
+}
+
+/// Whether the value is a text, in which each sign is itself.
+fn is_text(source: &Source, text: &str) -> bool {
+    text.contains('\'') || matches!(source, Source::Typed(_, ty) if typed::bits(ty.ty).is_none())
+}
+
+/// The text with `+-` for `±` and `+/-`.
+fn with_tolerance(text: &str) -> String {
+    text.replace('±', "+-").replace("+/-", "+-")
 }
 
 /// What to write for a tolerance of an address without a type, with so many bits.
