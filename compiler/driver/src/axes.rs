@@ -7,7 +7,7 @@ use plcc_diag::{Diagnostic, FileId};
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::keys::Reader;
+use crate::keys::{Reader, one_of};
 
 /// Types of axes, and whether each has positions.
 const TYPES: [(&str, bool); 3] = [("TO_PositioningAxis", true), ("TO_SynchronousAxis", true), ("TO_SpeedAxis", false)];
@@ -86,7 +86,7 @@ impl Reader {
                 None => {
                     let names: Vec<&str> = TYPES.iter().map(|(name, _)| *name).collect();
                     let title = format!("`{}` is not a type of an axis", ty.get_ref());
-                    self.report(ty, title, &format!("one of {}", names.join(", ")));
+                    self.report(ty, title, &one_of(ty.get_ref(), &names));
                     true
                 }
             },

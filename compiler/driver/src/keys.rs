@@ -1,7 +1,24 @@
 //! What the readers of the tables of plc.toml share: wrong keys are reported and ignored.
 
+use plcc_binding::similar;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use toml::Spanned;
+
+/// What to write in place of a word: the known one that it resembles or is a part of, or all of them.
+pub(crate) fn one_of(word: &str, known: &[&str]) -> String {
+    let part = word.trim().to_lowercase();
+    let having: Vec<&str> = known.iter().copied().filter(|known| known.to_lowercase().contains(&part)).collect();
+    let only = match having.as_slice() {
+        [only] if !part.is_empty() => Some(*only),
+        _ => None,
+    };
+    // Words with commas of their own are not a list between commas.
+    let separator = if known.iter().any(|known| known.contains(',')) { "; " } else { ", " };
+    match similar(word, known.iter().copied()).or(only) {
+        Some(near) => format!("write `{near}`"),
+        None => format!("one of {}", known.join(separator)),
+    }
+}
 
 /// Reads a table.
 pub(crate) struct Reader {
@@ -25,5 +42,22 @@ impl Reader {
             return None;
         }
         Some(key.get_ref().clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_of;
+
+    #[test]
+    fn words_name_what_is_meant() {
+        let modes = ["single phase", "single phase, external direction", "quadrature", "quadrature 4x"];
+        assert_eq!(one_of("quadrature 4", &modes), "write `quadrature 4x`");
+        assert_eq!(one_of("external", &modes), "write `single phase, external direction`");
+        assert_eq!(one_of("phase", &modes), format!("one of {}", modes.join("; ")));
+        let axes = ["TO_PositioningAxis", "TO_SynchronousAxis", "TO_SpeedAxis"];
+        assert_eq!(one_of("PositioningAxis", &axes), "write `TO_PositioningAxis`");
+        assert_eq!(one_of("axis", &axes), "one of TO_PositioningAxis, TO_SynchronousAxis, TO_SpeedAxis");
+        assert_eq!(one_of("", &axes), "one of TO_PositioningAxis, TO_SynchronousAxis, TO_SpeedAxis");
     }
 }

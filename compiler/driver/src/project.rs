@@ -17,6 +17,7 @@ use toml::Spanned;
 use crate::axes;
 use crate::connections;
 use crate::cpu_settings::CpuSetting;
+use crate::keys::one_of;
 use crate::remote;
 use crate::retain;
 use crate::s7200;
@@ -269,7 +270,14 @@ impl Context {
     fn organization_block(&mut self, number: &Spanned<String>, keys: &ObKeys, config: &mut Config) {
         let Ok(ob @ 1..=OB_NUMBER_MAX) = number.get_ref().parse::<u16>() else {
             let title = format!("`{}` is not a number of an organization block", number.get_ref());
-            return self.report(number.span(), title, "write `[ob.35]`");
+            // `[ob.OB35]`
+            let digits = number.get_ref().trim_start_matches(|c: char| !c.is_ascii_digit()).trim_end();
+            let meant = digits.parse::<u16>().ok().filter(|ob| (1..=OB_NUMBER_MAX).contains(ob));
+            let help = match meant {
+                Some(ob) => format!("write `[ob.{ob}]`"),
+                None => "write the number of the block, as in `[ob.35]`".to_string(),
+            };
+            return self.report(number.span(), title, &help);
         };
         self.note_of_cpu(CpuSetting::Ob(ob), number.span());
         let class = keys.class.as_ref().and_then(|class| self.class(ob, class));
@@ -342,9 +350,9 @@ impl Context {
         match TIME_OF_DAY_PERIODS.iter().find(|(word, _)| word == every.get_ref()) {
             Some((_, code)) => *code,
             None => {
-                let words = TIME_OF_DAY_PERIODS.map(|(word, _)| word).join(", ");
+                let words = TIME_OF_DAY_PERIODS.map(|(word, _)| word);
                 let title = format!("`{}` is not a period of a time-of-day interrupt", every.get_ref());
-                self.report(every.span(), title, &format!("one of {words}"));
+                self.report(every.span(), title, &one_of(every.get_ref(), &words));
                 0
             }
         }

@@ -11,6 +11,7 @@ use plcc_runtime::{analog, io};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::keys::one_of;
 use crate::project::{duration_ms, number_within};
 
 /// `[io.NAME]`.
@@ -366,7 +367,7 @@ impl Reader {
                 None => {
                     let names: Vec<&str> = analog::RANGES.iter().map(|range| range.name).collect();
                     let title = format!("`{}` is not a range of analog modules", name.get_ref());
-                    self.report(name, title, &format!("one of {}", names.join(", ")));
+                    self.report(name, title, &one_of(name.get_ref(), &names));
                     return None;
                 }
             },

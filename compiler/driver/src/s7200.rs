@@ -14,7 +14,7 @@ use plcc_runtime::s7200::socket_address;
 use serde::Deserialize;
 use toml::Spanned;
 
-use crate::keys::Reader;
+use crate::keys::{Reader, one_of};
 use crate::project::{duration_ms, number_within};
 
 /// Highest station address. Source: S7-200 system manual, network.
@@ -328,7 +328,7 @@ impl Reader {
                 if found.is_none() {
                     let names: Vec<&str> = list.iter().map(|range| range.name).collect();
                     let title = format!("`{}` is not a range of an {}", key.get_ref(), kind.name);
-                    self.report(key, title, &format!("one of {}", names.join(", ")));
+                    self.report(key, title, &one_of(key.get_ref(), &names));
                 }
                 found
             }

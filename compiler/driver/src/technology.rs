@@ -12,6 +12,7 @@ use plcc_model::profile;
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::keys::one_of;
 use crate::project::duration_of;
 
 /// Maximum number of events for ATTACH. Source: LAD/FBD reference for S7-1200, organization blocks.
@@ -159,7 +160,7 @@ impl Reader {
         if found.is_none() {
             let all: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
             let title = format!("`{}` is not {}", key.get_ref(), with_article(what));
-            self.report(key, title, format!("one of {}", all.join(", ")));
+            self.report(key, title, one_of(key.get_ref(), &all));
         }
         found
     }
@@ -284,7 +285,17 @@ impl Reader {
         let found = found.filter(|&(byte, bit)| byte < INPUT_BYTES && bit < 8);
         if found.is_none() {
             let title = format!("`{}` is not a bit of an input", key.get_ref());
-            self.report(key, title, "write `\"I0.3\"`".to_string());
+            // `Q0.3`, `I0.8`: the same byte and bit if an input has them.
+            let numbers: Vec<u32> =
+                text.split(|c: char| !c.is_ascii_digit()).filter_map(|part| part.parse().ok()).collect();
+            let help = match numbers.as_slice() {
+                &[byte, bit @ 0..=7] if byte < INPUT_BYTES => format!("write `\"I{byte}.{bit}\"`"),
+                &[byte] | &[byte, _] if byte < INPUT_BYTES => {
+                    format!("write the byte and the bit, `\"I{byte}.0\"` to `\"I{byte}.7\"`")
+                }
+                _ => "write the byte and the bit of an input, such as `\"I0.0\"`".to_string(),
+            };
+            self.report(key, title, help);
         }
         found
     }

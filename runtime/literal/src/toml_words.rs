@@ -182,7 +182,9 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
             "integer" | "floating" => {
                 let number = is.trim_start_matches("the number ");
                 if is_of_time(line) {
-                    ("a time with its unit", format!("write `\"{number}ms\"`"))
+                    // A fraction is of a second: a time is a whole number of milliseconds.
+                    let unit = if number.parse::<f64>().is_ok_and(|time| time.fract() != 0.0) { "s" } else { "ms" };
+                    ("a time with its unit", format!("write `\"{number}{unit}\"`"))
                 } else if let Some((key, usual)) =
                     port_of(line).filter(|_| !number.parse::<u16>().is_ok_and(|port| port > 0))
                 {
@@ -238,10 +240,17 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
             let plain =
                 !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte));
             let heading = if plain { format!("`[{key}]`") } else { "`[…]`".to_owned() };
-            let help = match text.split_once('=').filter(|_| plain && kind == "string") {
-                // `set = "I0.0 = 1"`
+            let is_setting = matches!(key, "set" | "expect" | "plant");
+            let text = if kind == "sequence" { line.split('"').nth(1).unwrap_or_default() } else { text };
+            let help = match text.split_once('=').filter(|_| plain && (kind == "string" || is_setting)) {
+                // `set = "I0.0 = 1"`, `set = ["I0.0 = 1"]`
                 Some((name, value)) => {
                     format!("write `{key} = {{ \"{}\" = {} }}`", name.trim_end_matches([':', ' ']).trim(), value.trim())
+                }
+                None if is_setting => {
+                    let is_name = matches!(kind, "string" | "sequence") && !text.is_empty();
+                    let name = if is_name { text } else { "I0.0" };
+                    format!("write the value to each name, as in `{key} = {{ \"{name}\" = 1 }}`")
                 }
                 None => format!("write its keys below {heading}, or between `{{` and `}}`"),
             };
@@ -546,6 +555,14 @@ mod tests {
         let string = "invalid type: integer `50`, expected a string";
         same(string, "", "a text in quotation marks is expected here, not the number 50", "write `\"50\"`");
         same(string, "cycle_time = 50", "a time with its unit is expected here, not the number 50", "write `\"50ms\"`");
+        let fraction = "invalid type: floating point `0.01`, expected a string";
+        let second = "a time with its unit is expected here, not the number 0.01";
+        same(fraction, "cycle_time = 0.01", second, "write `\"0.01s\"`");
+        let list = "invalid type: sequence, expected a map";
+        let each = "write the value to each name, as in `set = { \"I0.0\" = 1 }`";
+        same(list, "set = [\"I0.0\"]", "a table is expected here, not a list", each);
+        let pair = "write `expect = { \"Q0.0\" = 1 }`";
+        same(list, "expect = [\"Q0.0 = 1\"]", "a table is expected here, not a list", pair);
         let list = "invalid type: map, expected a sequence";
         same(list, "[at]", "a list of tables is expected here, not a table", "write `[[at]]`");
         let table = "invalid type: boolean `true`, expected struct Retain";
