@@ -1,5 +1,5 @@
 //! Settings of plc.toml that not every CPU has: organization blocks, their priorities, what becomes of a cycle that is too long, how much is
-//! retentive, protection.
+//! retentive, protection, axes.
 
 use plcc_abi::image::{BlockKind, Family, Profile};
 use plcc_abi::ob::{OB_FREE, ObClass};
@@ -21,6 +21,8 @@ pub enum CpuSetting {
     Cold,
     /// `protection = "complete"`
     Complete,
+    /// `[axis.NAME]`
+    Axes,
     /// Byte of the clock memory or the system memory.
     MemoryByte(u16),
     /// A number below `[retain]`.
@@ -62,6 +64,7 @@ pub fn without_block(settings: &[(CpuSetting, Span)], program: &Program) -> Vec<
             | CpuSetting::Exceeded
             | CpuSetting::Cold
             | CpuSetting::Complete
+            | CpuSetting::Axes
             | CpuSetting::MemoryByte(_)
             | CpuSetting::Retentive(..) => return None,
         };
@@ -150,6 +153,11 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
             format!("the CPU {cpu} has no complete protection"),
             "write `protection = \"read-write\"`, its highest level; `access` says what clients may do",
         )),
+        CpuSetting::Axes if family.is_portal() => None,
+        CpuSetting::Axes => Some((
+            format!("the CPU {cpu} has no axes"),
+            "remove this heading and its keys: technology objects belong to CPUs of the S7-1200 and S7-1500",
+        )),
         CpuSetting::MemoryByte(byte) => {
             let bytes = profile.bit_memory;
             (u32::from(byte) >= bytes && family != Family::S7200).then(|| {
@@ -197,6 +205,7 @@ mod tests {
             (CpuSetting::Exceeded, [true, true, false, true]),
             (CpuSetting::Cold, [false, false, true, true]),
             (CpuSetting::Complete, [true, true, false, true]),
+            (CpuSetting::Axes, [true, true, false, true]),
             (CpuSetting::Retentive(Retained::Timers, 4000), [true, true, true, false]),
             (CpuSetting::Retentive(Retained::Counters, 8), [false, false, true, false]),
             (CpuSetting::Retentive(Retained::BitMemory, 16), [false, false, false, false]),

@@ -203,6 +203,9 @@ impl Context {
         }
         let (axes, messages) = axes::source(&keys.axis, self.file);
         self.diagnostics.extend(messages);
+        if let Some(first) = keys.axis.keys().min_by_key(|name| name.span().start) {
+            self.note_of_cpu(CpuSetting::Axes, first.span());
+        }
         if let Some(keys) = &keys.retain {
             for (retained, count, range) in keys.counts() {
                 self.note_of_cpu(CpuSetting::Retentive(retained, count), range);
