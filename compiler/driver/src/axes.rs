@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use plcc_diag::{Diagnostic, FileId};
+use plcc_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::inputs::AXES_ENDING;
 use crate::keys::{Reader, one_of};
 
 /// Types of axes, and whether each has positions.
@@ -73,6 +74,29 @@ pub fn source(axes: &BTreeMap<Spanned<String>, AxisKeys>, file: FileId) -> (Stri
         );
     }
     (blocks, reader.diagnostics)
+}
+
+/// Moves what messages say of the source of the axes to the headings of plc.toml, which its author knows. A name that is defined twice
+/// says all that is wrong with the axis.
+pub fn show_headings(diagnostics: &mut Vec<Diagnostic>, names: &[(String, Span)], sources: &SourceMap) {
+    let heading = |span: Span| {
+        let source = sources.file(span.file);
+        let text = source.text.get(span.range()).filter(|_| source.name.ends_with(AXES_ENDING))?;
+        names.iter().find(|(name, _)| name == text.trim_matches('"')).map(|(_, heading)| *heading)
+    };
+    let mut twice = Vec::new();
+    for message in diagnostics.iter_mut() {
+        let primary = message.primary.span;
+        for label in std::iter::once(&mut message.primary).chain(&mut message.secondary) {
+            label.span = heading(label.span).unwrap_or(label.span);
+        }
+        if message.code == Code::DuplicateBlock && message.primary.span != primary {
+            let help = "the heading is the data block of an axis: give one of them another name, or remove the heading";
+            message.help = Some(help.to_string());
+            twice.push(message.primary.span);
+        }
+    }
+    diagnostics.retain(|message| message.code == Code::DuplicateBlock || !twice.contains(&message.primary.span));
 }
 
 impl Reader {

@@ -35,6 +35,7 @@ use rustc_hash::FxHashSet;
 use consequences::{forget_doubtful, forget_lost};
 use cpu::{order_of, pragma_profile, profile_of};
 
+use crate::axes;
 use crate::beginning;
 use crate::cli::{CompileArgs, CpuFeatures, Deny, Level};
 use crate::cpu_settings;
@@ -253,6 +254,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let names = project.as_ref().map(|project| project.names.clone()).unwrap_or_default();
     let tables_beside = project.as_ref().map(|project| project.tables_beside.clone()).unwrap_or_default();
     let of_cpu = project.as_ref().map(|project| project.of_cpu.clone()).unwrap_or_default();
+    let axis_names = project.as_ref().map(|project| project.axis_names.clone()).unwrap_or_default();
     let cpu_order = order_of(settings, project.as_ref(), &profile);
     let input = BindInput {
         name,
@@ -301,6 +303,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         diagnostics.extend(cpu_settings::without_block(&of_cpu, &program));
     }
     name_tables(&mut diagnostics, &tables_beside);
+    axes::show_headings(&mut diagnostics, &axis_names, &sources);
     // A use of a symbol shows the row that cannot be read.
     let shown: FxHashSet<Span> = diagnostics
         .iter()

@@ -49,6 +49,8 @@ pub struct Project {
     pub technology: technology::Used,
     /// Source in SCL that declares the axes; empty without any.
     pub axes: String,
+    /// Names of the axes, with their headings.
+    pub axis_names: Vec<(String, Span)>,
     /// Values that `[services]` names, checked later against the program.
     pub names: services::Names,
     /// Settings that not every CPU has, checked later against the CPU.
@@ -203,8 +205,10 @@ impl Context {
         }
         let (axes, messages) = axes::source(&keys.axis, self.file);
         self.diagnostics.extend(messages);
-        if let Some(first) = keys.axis.keys().min_by_key(|name| name.span().start) {
-            self.note_of_cpu(CpuSetting::Axes, first.span());
+        let heading = |name: &Spanned<String>| (name.get_ref().clone(), Span::new(self.file, name.span()));
+        let axis_names: Vec<(String, Span)> = keys.axis.keys().map(heading).collect();
+        if let Some((_, first)) = axis_names.iter().min_by_key(|(_, heading)| heading.start) {
+            self.note_of_cpu(CpuSetting::Axes, first.range());
         }
         if let Some(keys) = &keys.retain {
             for (retained, count, range) in keys.counts() {
@@ -263,6 +267,7 @@ impl Context {
             station,
             technology,
             axes,
+            axis_names,
             names: keys.services.as_ref().map(|keys| services::names(keys, file)).unwrap_or_default(),
             of_cpu: std::mem::take(&mut self.of_cpu),
             s7200: keys.s7200.map(|keys| Span::new(file, keys.span())),
