@@ -3,6 +3,7 @@
 //! - [`bind()`] settles every name, type and address; its result is [`plcc_model`]. [`complete`] does so for a program in which parts
 //!   are missing.
 //! - [`implied_profile`]: the CPU of sources that name none.
+//! - [`instruction_pins`]: what STL passes to an instruction of the TIA Portal that it calls by its name.
 //! - [`check_modules`] compares a bound program with the modules of its station.
 //!
 //! **Invariant**: a program that binds without errors lowers without errors.
@@ -11,7 +12,7 @@ mod bind;
 mod modules;
 
 pub use bind::{
-    bind, block_of_file, complete, implied_profile, is_about_drafts, is_s7200, library_interface, runs, system_members,
-    tables,
+    bind, block_of_file, complete, implied_profile, instruction_pins, is_about_drafts, is_s7200, library_interface,
+    runs, system_members, tables,
 };
 pub use modules::check_modules;

@@ -79,7 +79,14 @@ impl Maker<'_> {
         if let Kind::Step { up } = row.kind {
             return self.step_box(graph, plan, at, up);
         }
-        let Some(work) = self.work(element, row) else { return };
+        let told = self.messages.len();
+        let Some(work) = self.work(element, row) else {
+            if let Some(called) = self.instruction(element, row) {
+                self.messages.truncate(told);
+                self.instruction_box(graph, plan, at, row, &called);
+            }
+            return;
+        };
         let mut loads = Vec::new();
         for (name, ty) in &work.loads {
             match self.load(graph, at, name, *ty) {
@@ -222,7 +229,9 @@ impl Maker<'_> {
                 let key = |key| element.template(key).map(|template| template.value.to_uppercase());
                 let from = key(TemplateKey::Source).unwrap_or_default();
                 let to = key(TemplateKey::Destination).unwrap_or_default();
+                let same = elementary(&from).filter(|ty| from == to && (8..=32).contains(&ty.bits()));
                 match (from.as_str(), to.as_str()) {
+                    _ if let Some(ty) = same => Some(one(ty, &[], ty, false)),
                     ("INT", "DINT") => Some(one(Int, &[I::IToD], Dint, false)),
                     ("DINT", "REAL") => Some(one(Dint, &[I::DToR], Real, false)),
                     ("INT", "REAL") => Some(one(Int, &[I::IToD, I::DToR], Real, false)),

@@ -4,7 +4,7 @@
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
 //! - `elements`: contacts, coils, edges, timers, counters, jumps.
 //! - `boxes`: boxes with EN and ENO; `values`: their types, how inputs are loaded and outputs stored.
-//! - `calls`: calls of blocks and instances.
+//! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names.
 //! - `operand`: operands of networks as operands of STL.
 //! - [`types`]: types of operands, where a box does not name its own.
 //!
@@ -13,6 +13,7 @@
 mod boxes;
 mod calls;
 mod elements;
+mod instructions;
 mod logic;
 mod operand;
 pub(crate) mod plan;

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use plcc_model::InstructionPin;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
     Block, BlockName, Call, CodeBlock, CodeKind, DataContent, OperandKind, PathPart, PathRoot, Section, SectionKind,
@@ -10,6 +11,9 @@ use plcc_syntax::ast::{
 use plcc_syntax::literal::Literal;
 use plcc_syntax::network::elements::{Kind, Row, find_sd};
 use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
+
+/// The parameters of a call of an instruction that supplies those with the given names; none: STL has no such call.
+pub type FindInstruction = fn(&str, &[&str]) -> Option<Vec<InstructionPin>>;
 
 /// What the sources of a program declare.
 #[derive(Default)]
@@ -23,6 +27,8 @@ pub struct Types<'a> {
     function_blocks: HashMap<String, &'a BlockName>,
     /// Blocks with code, by folded names.
     blocks: HashMap<String, &'a CodeBlock>,
+    /// Instructions that STL calls by name.
+    instructions: Option<FindInstruction>,
 }
 
 impl<'a> Types<'a> {
@@ -67,6 +73,18 @@ impl<'a> Types<'a> {
         }
         types.add_other_names(&other_names);
         types
+    }
+
+    /// With instructions that STL calls by name.
+    pub fn with_instructions(self, find: FindInstruction) -> Types<'a> {
+        Types { instructions: Some(find), ..self }
+    }
+
+    /// The parameters of a call of an instruction that supplies those with the names `given`; none: STL calls no such instruction, or a
+    /// block of the program has its name.
+    pub fn instruction(&self, name: &str, given: &[&str]) -> Option<Vec<InstructionPin>> {
+        let find = self.instructions.filter(|_| !self.blocks.contains_key(&name.to_lowercase()))?;
+        find(name, given)
     }
 
     /// What the sources declare by a number is known by its symbol too, and the other way round.

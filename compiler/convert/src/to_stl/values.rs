@@ -97,6 +97,15 @@ impl Maker<'_> {
         name: &str,
         ty: Elementary,
     ) -> Option<Vec<(StlInsn, Option<Operand>)>> {
+        let (operand, from) = self.source(graph, at, name, ty)?;
+        let conversion = self.conversion(from, ty, operand.span)?;
+        let mut load = vec![(StlInsn::Load, Some(operand))];
+        load.extend(conversion.iter().map(|insn| (*insn, None)));
+        Some(load)
+    }
+
+    /// What an input of type `ty` gets, and the type that this has; a constant in the form of `ty`.
+    pub fn source(&mut self, graph: &Graph, at: usize, name: &str, ty: Elementary) -> Option<(Operand, Elementary)> {
         let element = &graph.elements[at];
         let pin = element.pin(name);
         let (operand, from) = match pin.map(|pin| &pin.value) {
@@ -135,10 +144,7 @@ impl Maker<'_> {
                 return None;
             }
         };
-        let conversion = self.conversion(from, ty, operand.span)?;
-        let mut load = vec![(StlInsn::Load, Some(operand))];
-        load.extend(conversion.iter().map(|insn| (*insn, None)));
-        Some(load)
+        Some((operand, from))
     }
 
     /// Stores ACCU1, of type `ty`, to what is connected to an output.

@@ -109,6 +109,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     };
     if messages.is_empty() {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
+        let types = types.with_instructions(plcc_program::instruction_pins);
         let mut library = xml::Library::with_symbols(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         if to == ConvertTo::Xml {
             library.add_system(plcc_program::system_members);

@@ -32,6 +32,7 @@ mod notation;
 mod tests;
 
 pub use declarations::predefined::system_members;
+pub use globals::pins::instruction_pins;
 pub use network::is_about_drafts;
 pub use partial::complete;
 pub use program::{bind, library_interface};

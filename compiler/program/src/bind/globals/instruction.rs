@@ -9,6 +9,7 @@ use std::fmt::Write;
 use plcc_binding::fold;
 use plcc_binding::report::MissingKey;
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_model::{Direction, InstructionPin, InstructionType};
 use plcc_syntax::{Class, Elementary};
 
 use crate::bind::globals::Globals;
@@ -135,6 +136,28 @@ impl Instruction {
                 (optional || self.number(name).is_some()).then_some(PinType::Value)
             }
         }
+    }
+
+    /// The parameters of a call that supplies those with the names `given`, OUT among them or not; none: there is no such call.
+    pub fn pins_of_call(&self, given: &[&str]) -> Option<Vec<InstructionPin>> {
+        let mut names: Vec<&str> = self.pins.iter().map(|(name, _)| *name).collect();
+        let own = names.clone();
+        let is_own =
+            |name: &str| name.eq_ignore_ascii_case("OUT") || own.iter().any(|own| own.eq_ignore_ascii_case(name));
+        names.extend(given.iter().copied().filter(|name| !is_own(name)));
+        names.push("OUT");
+        let value = if self.converts { "src" } else { "value" };
+        let pin = |name: &str| {
+            let ty = match self.pin(name)? {
+                PinType::Value => InstructionType::Named(value),
+                PinType::Result => InstructionType::Named("dest"),
+                PinType::Bool => InstructionType::Fixed(Elementary::Bool),
+                PinType::Index => InstructionType::Number(Elementary::Int),
+            };
+            let direction = if name == "OUT" { Direction::Output } else { Direction::Input };
+            Some(InstructionPin { name: name.to_ascii_uppercase(), direction, ty })
+        };
+        names.into_iter().map(pin).collect()
     }
 
     /// The number of an input that a call adds.

@@ -3,7 +3,8 @@
 //! - [`collect`] reads the tables and numbers the blocks of the [`sources`], so that their order does not matter; [`ob`] finds out what
 //!   starts organization blocks.
 //! - [`names`] finds names and numbers, also those of the [`library`]; [`constant`] computes constants of all languages,
-//!   `user_constants` reads those of tag tables; [`instruction`] and [`form`] have functions for instructions that STL calls.
+//!   `user_constants` reads those of tag tables; [`instruction`] and [`form`] have functions for instructions that STL calls,
+//!   [`pins`] says with what.
 //! - [`addresses`] checks addresses against the CPU; [`hardware`] has its constants, [`system_memory`] its tags, [`rules`] its dialect.
 
 pub mod addresses;
@@ -16,6 +17,7 @@ pub mod library;
 pub mod names;
 pub mod ob;
 mod overlaps;
+pub mod pins;
 pub mod rules;
 pub mod sources;
 pub mod system_memory;
