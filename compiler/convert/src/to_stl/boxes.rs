@@ -25,51 +25,6 @@ struct Work {
 }
 
 impl Maker<'_> {
-    /// A comparison as a value.
-    pub fn compare(&mut self, graph: &Graph, plan: &Plan, at: usize, sign: &str) -> Logic {
-        let flow = self.input(graph, plan, at, "pre");
-        let element = &graph.elements[at];
-        let Some(ty) = self.box_type(element, &["in1", "in2"]) else { return Logic::Constant(false) };
-        use StlInsn as I;
-        let rows = match ty {
-            Elementary::Int => {
-                [I::CompareEqI, I::CompareNeI, I::CompareLtI, I::CompareGtI, I::CompareLeI, I::CompareGeI]
-            }
-            Elementary::Dint | Elementary::Time => {
-                [I::CompareEqD, I::CompareNeD, I::CompareLtD, I::CompareGtD, I::CompareLeD, I::CompareGeD]
-            }
-            Elementary::Real => {
-                [I::CompareEqR, I::CompareNeR, I::CompareLtR, I::CompareGtR, I::CompareLeR, I::CompareGeR]
-            }
-            Elementary::Byte | Elementary::Word | Elementary::Char if matches!(sign, "=" | "<>") => {
-                [I::CompareEqI, I::CompareNeI, I::CompareEqI, I::CompareEqI, I::CompareEqI, I::CompareEqI]
-            }
-            Elementary::Dword if matches!(sign, "=" | "<>") => {
-                [I::CompareEqD, I::CompareNeD, I::CompareEqD, I::CompareEqD, I::CompareEqD, I::CompareEqD]
-            }
-            _ => {
-                self.refuse(
-                    element.span,
-                    format!("the comparison `{sign}` of {}", ty.name()),
-                    "compare INT, DINT or REAL",
-                );
-                return Logic::Constant(false);
-            }
-        };
-        let signs = ["=", "<>", "<", ">", "<=", ">="];
-        let Some(insn) = signs.iter().position(|known| *known == sign).map(|at| rows[at]) else {
-            return Logic::Constant(false);
-        };
-        let mut loads = Vec::new();
-        for name in ["in1", "in2"] {
-            match self.load(graph, at, name, ty) {
-                Some(load) => loads.extend(load),
-                None => return Logic::Constant(false),
-            }
-        }
-        Logic::and(vec![flow, Logic::Compare { loads, insn }])
-    }
-
     /// A box of the table.
     pub fn arithmetic_box(&mut self, graph: &Graph, plan: &Plan, at: usize, row: &'static Row) {
         let element = &graph.elements[at];

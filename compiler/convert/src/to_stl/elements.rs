@@ -89,7 +89,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The value of an element without effect.
+    /// The value of an element that has one and does nothing else.
     fn meaning(&mut self, graph: &Graph, plan: &Plan, at: usize) -> Logic {
         let element = &graph.elements[at];
         let Target::Element { row, .. } = &element.target else { return Logic::Constant(false) };
@@ -128,6 +128,8 @@ impl Maker<'_> {
                 Logic::and(vec![flow, if negated { value.not() } else { value }])
             }
             Kind::Compare(sign) => self.compare(graph, plan, at, sign),
+            Kind::Range { inside } => self.range(graph, plan, at, inside),
+            Kind::Valid { valid } => self.valid(graph, plan, at, valid),
             _ => Logic::Constant(false),
         }
     }
@@ -236,6 +238,11 @@ impl Maker<'_> {
                 }
             }
             Kind::Instance(name) => self.instance_box(graph, plan, at, name, instance),
+            Kind::Compare(_) | Kind::Range { .. } | Kind::Valid { .. } => {
+                let value = self.meaning(graph, plan, at);
+                self.evaluate(&value);
+                self.result(graph, plan, at, "out");
+            }
             _ => self.arithmetic_box(graph, plan, at, row),
         }
     }

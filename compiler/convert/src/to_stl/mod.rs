@@ -2,7 +2,7 @@
 //!
 //! - `plan`: which values stay in the RLO, and which need a bit of their own.
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
-//! - `elements`: contacts, coils, edges, timers, counters, jumps.
+//! - `elements`: contacts, coils, edges, timers, counters, jumps; `compare`: comparisons.
 //! - `boxes`: boxes with EN and ENO; `values`: their types, how inputs are loaded and outputs stored.
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names.
 //! - `operand`: operands of networks as operands of STL.
@@ -12,6 +12,7 @@
 
 mod boxes;
 mod calls;
+mod compare;
 mod elements;
 mod instructions;
 mod logic;

@@ -202,7 +202,14 @@ fn lets_pass(element: &Element) -> bool {
             row.is_box()
                 || matches!(
                     row.kind,
-                    Kind::Contact | Kind::Compare(_) | Kind::Coil | Kind::SetCoil | Kind::ResetCoil | Kind::Save
+                    Kind::Contact
+                        | Kind::Compare(_)
+                        | Kind::Range { .. }
+                        | Kind::Valid { .. }
+                        | Kind::Coil
+                        | Kind::SetCoil
+                        | Kind::ResetCoil
+                        | Kind::Save
                 )
         }
     }
