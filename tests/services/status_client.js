@@ -59,6 +59,12 @@ async function look(tab) {
   // The last wire leads to the coil of the last transition: after a contact and beside it a comparison.
   await until(tab, "that nothing flows", `[...${page}.querySelectorAll("path.w:not([data-o])")].pop().getAttribute("class") === "w off"`);
 
+  // A chart whose steps change: from when on they were active, and for how long.
+  await open(tab, "FB3");
+  const history = `[...${page}.querySelectorAll(".history tr")].map((row) => row.textContent)`;
+  await until(tab, "a step that was left", `${history}.some((row) => /^Bright\\d\\d:\\d\\d:\\d\\d\\.\\d{3}0\\.3\\d\\d s\\d+$/.test(row))`);
+  await until(tab, "the active one above it", `/active\\d+$/.test(${history}[1]) && !/active/.test(${history}[2])`);
+
   // Each cycle of a value that changes all the time, with what was before an event.
   await tab(`location.hash = "table"; table.add("MW30"); 0`);
   await until(tab, "the value", `live.shown.has("MW30") && live.shown.has("M0.0")`);

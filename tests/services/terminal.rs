@@ -110,5 +110,10 @@ pub fn status() -> Result<(), Failed> {
     // Nothing flows to the coil of the last transition, before an hour is over.
     terminal.until("its condition", |model| has_part(model, Tone::Off, "─"))?;
     terminal.keys(&[KeyCode::Esc]);
+
+    // A chart whose steps change.
+    terminal.open("FB3");
+    terminal.until("a step with its time", |model| has_line(model, &["Bright  ", ":", " 0.3"]))?;
+    terminal.keys(&[KeyCode::Esc]);
     plc.end().map(drop)
 }

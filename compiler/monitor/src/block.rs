@@ -3,8 +3,8 @@
 use crate::document::{Code, Page, Section};
 use crate::drawing::Drawing;
 use crate::listing::{self, Listing};
-use crate::messages::{Order, StatusNews, Step};
-use crate::row::{Row, Tone, piece};
+use crate::messages::{Activation, Order, StatusNews, Step};
+use crate::row::{Row, Tone, clock, piece};
 use crate::status::{Place, Status};
 
 /// The block that is shown.
@@ -115,6 +115,7 @@ impl Block {
     /// The lines as they are now.
     fn make(&mut self) {
         let mut rows = steps(&self.status.steps);
+        rows.extend(history(&self.status.history));
         for (section, content) in self.page.sections.iter().zip(&self.contents) {
             let title = match (section.number, section.title.as_str()) {
                 (0, title) => title.to_string(),
@@ -162,6 +163,28 @@ fn steps(all: &[Step]) -> Vec<Row> {
         vec![piece(text.trim_end(), tone)]
     };
     let head = format!("{:width$}  {:>10}  {:>10}", "Step", "T", "U");
+    let mut rows = vec![vec![piece(head, Tone::Title)]];
+    rows.extend(shown.iter().map(row));
+    rows.push(Row::new());
+    rows
+}
+
+/// Steps of the history that are shown: the page has more of them.
+const HISTORY_MAX: usize = 5;
+
+/// The steps that became active last.
+fn history(all: &[Activation]) -> Vec<Row> {
+    if all.is_empty() {
+        return Vec::new();
+    }
+    let shown = &all[..all.len().min(HISTORY_MAX)];
+    let width = shown.iter().map(|one| one.step.chars().count()).max().unwrap_or(0).clamp(7, 40);
+    let row = |one: &Activation| {
+        let time = one.active_ms.map_or("active".to_string(), |ms| format!("{:.3} s", ms as f64 / 1000.0));
+        let line = format!("{:width$}  {}  {time:>12}", one.step, clock(one.clock_ms));
+        vec![piece(line, Tone::Plain)]
+    };
+    let head = format!("{:width$}  {:12}  {:>12}", "History", "Active from", "For");
     let mut rows = vec![vec![piece(head, Tone::Title)]];
     rows.extend(shown.iter().map(row));
     rows.push(Row::new());

@@ -12,6 +12,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Cell, List, ListItem, ListState, Paragraph, Row, Table, TableState};
 
 use crate::model::{Asks, Model, Part};
+use crate::row::clock;
 
 /// Draws everything.
 pub fn draw(model: &Model, frame: &mut Frame) {
@@ -130,19 +131,13 @@ fn watch(model: &Model, frame: &mut Frame, area: Rect) {
 
 fn diagnostics(model: &Model, frame: &mut Frame, area: Rect) {
     let item = |entry: &crate::messages::Entry| {
-        ListItem::new(format!("{}  {}  {}", time(entry.clock), entry.text, entry.place))
+        ListItem::new(format!("{}  {}  {}", clock(entry.clock as i64), entry.text, entry.place))
     };
     let list = List::new(model.buffer.iter().map(item))
         .block(frame_of(model, Part::Diagnostics, "diagnostic buffer"))
         .highlight_style(CURSOR);
     let selected = (model.part == Part::Diagnostics).then(|| model.row(Part::Diagnostics));
     frame.render_stateful_widget(list, area, &mut ListState::default().with_selected(selected));
-}
-
-/// Time of day of milliseconds since 1970; the clock of a CPU has no time zone.
-fn time(clock: f64) -> String {
-    let ms = (clock as i64).rem_euclid(86_400_000);
-    format!("{:02}:{:02}:{:02}.{:03}", ms / 3_600_000, ms / 60_000 % 60, ms / 1000 % 60, ms % 1000)
 }
 
 fn foot(model: &Model) -> Line<'_> {

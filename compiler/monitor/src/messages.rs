@@ -87,6 +87,7 @@ pub struct StatusNews {
     /// Number of the place, and what was seen there; null: it was not reached.
     pub seen: Vec<(usize, Value)>,
     pub steps: Option<Vec<Step>>,
+    pub history: Option<Vec<Activation>>,
 }
 
 /// A step of a chart.
@@ -140,6 +141,16 @@ pub struct Shown {
     /// Its width, if it can have other formats; else 0.
     #[serde(default)]
     pub bits: u32,
+}
+
+/// A step that has become active: when, by the clock in milliseconds since 1970, and for how long; `None`: it is.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+pub struct Activation {
+    pub step: String,
+    pub cycle: u64,
+    pub clock_ms: i64,
+    pub active_ms: Option<u64>,
 }
 
 /// An event of the diagnostic buffer; its clock in milliseconds since 1970. Its text has its number.

@@ -33,3 +33,9 @@ pub enum Tone {
 pub fn piece(text: impl Into<String>, tone: Tone) -> Piece {
     Piece { text: text.into(), tone }
 }
+
+/// Time of day of milliseconds since 1970; the clock of a CPU has no time zone.
+pub fn clock(ms: i64) -> String {
+    let ms = ms.rem_euclid(86_400_000);
+    format!("{:02}:{:02}:{:02}.{:03}", ms / 3_600_000, ms / 60_000 % 60, ms / 1000 % 60, ms % 1000)
+}

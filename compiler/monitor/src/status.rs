@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::messages::{StatusNews, Step};
+use crate::messages::{Activation, StatusNews, Step};
 
 /// A place of the source where the program tells something: its first byte, the byte after it, and what is told.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -39,6 +39,8 @@ pub struct Status {
     seen: Vec<Option<Value>>,
     /// The steps of a chart.
     pub steps: Vec<Step>,
+    /// Those that have become active since the block is watched, the newest first.
+    pub history: Vec<Activation>,
     /// The calls of the block so far.
     pub calls: Vec<String>,
     /// The one that is shown, and its cycle.
@@ -58,6 +60,7 @@ impl Status {
     pub fn forget(&mut self) {
         self.seen.fill(None);
         self.steps.clear();
+        self.history.clear();
         self.call = None;
     }
 
@@ -69,6 +72,9 @@ impl Status {
         }
         if let Some(steps) = news.steps {
             self.steps = steps;
+        }
+        if let Some(history) = news.history {
+            self.history = history;
         }
         if let Some(calls) = news.calls {
             self.calls = calls;

@@ -223,6 +223,22 @@ fn the_active_step_of_a_chart_is_lit() {
 }
 
 #[test]
+fn the_last_steps_of_a_chart_are_listed() {
+    let mut model = opened(3, "FB2", json!([]));
+    let activation = |step: &str, cycle: u64, active_ms: Value| json!({"step": step, "cycle": cycle, "clock_ms": 1000 * cycle, "active_ms": active_ms});
+    let mut history = vec![activation("Filling", 60, Value::Null)];
+    history.extend((50..60).rev().map(|cycle| activation("Waiting", cycle, json!(cycle * 100))));
+    see(&mut model, json!({"turn": 1, "call": [0, 1204], "history": history}));
+    let expected = [
+        "History  Active from            For",
+        "Filling  00:01:00.000        active",
+        "Waiting  00:00:59.000       5.900 s",
+    ];
+    assert_eq!(lines(&model)[..3], expected);
+    assert_eq!(lines(&model)[5..7], ["Waiting  00:00:56.000       5.600 s", ""], "the newest five");
+}
+
+#[test]
 fn a_block_is_left_and_opened_again_when_the_program_changes() {
     let mut model = opened(1, "OB1", ladder_places());
     see(&mut model, json!({"turn": 1, "call": [0, 1], "seen": [[1, true]]}));

@@ -399,14 +399,16 @@ window.live = {
     status.places = places;
     status.seen = [];
     status.steps = [];
+    status.history = [];
     status.at = new Map();
     places.forEach(([from], i) => status.at.has(from) ? status.at.get(from).push(i) : status.at.set(from, [i]));
     redraw();
   },
   unwatch() { if (status.block) { status.block = null; redraw(); } },
-  see(changes, steps) {
+  see(changes, steps, history) {
     for (const [i, v] of changes) status.seen[i] = v;
     if (steps) { status.steps = steps; listSteps(); }
+    if (history) { status.history = history; listHistory(); }
     for (const d of inSight()) if (isWatched(d)) look(d);
   },
   uses,
@@ -437,11 +439,12 @@ function markForced(root) {
 }
 
 // Status of the block in sight: what its statements see in one call.
-const status = { block: null, places: [], seen: [], steps: [], at: new Map() };
+const status = { block: null, places: [], seen: [], steps: [], history: [], at: new Map() };
 const isWatched = (d) => status.block !== null && data.pages[d.dataset.page].id.replace(/ /g, "") === status.block;
 function redraw() {
   for (const d of main.querySelectorAll(".draw")) if (d.done) { d.done = false; fill(d); }
   listSteps();
+  listHistory();
 }
 // What is seen at a place of the source: of several probes that begin there the one with the fewest bytes, and of those one that was reached.
 function seenAt(from, ...kinds) {
@@ -543,10 +546,25 @@ function listSteps() {
   if (!box) {
     box = document.createElement("table");
     box.className = "steps";
-    main.querySelector(".page section")?.before(box);
+    main.querySelector(".page .history, .page section")?.before(box);
   }
   const time = (ms) => (ms === null || ms === undefined ? "" : (ms / 1000).toFixed(1) + " s");
   box.innerHTML = "<tr><th>Step</th><th>T</th><th>U</th><th></th></tr>" + list.map((it) => `<tr><td>${esc(it.step)}${it.active ? "" : " (left)"}</td><td>${time(it.t_ms)}</td><td>${time(it.u_ms)}</td><td>${it.interlocked ? "interlock not satisfied " : ""}${it.faulty ? "supervision fault" : ""}</td></tr>`).join("");
+}
+// The steps that have become active since somebody looks, below the active ones.
+function listHistory() {
+  let box = main.querySelector(".history");
+  const list = status.block ? status.history : [];
+  if (!list.length) { box?.remove(); return; }
+  if (!box) {
+    box = document.createElement("details");
+    box.className = "history";
+    box.open = true;
+    box.innerHTML = "<summary>History</summary><table></table>";
+    main.querySelector(".page section")?.before(box);
+  }
+  const clock = (ms) => new Date(ms).toISOString().slice(11, 23), time = (ms) => (ms === null ? "active" : (ms / 1000).toFixed(ms < 10000 ? 3 : 1) + " s");
+  box.lastChild.innerHTML = "<tr><th>Step</th><th>Active from</th><th>For</th><th>Cycle</th></tr>" + list.map((it) => `<tr><td>${esc(it.step)}</td><td>${clock(it.clock_ms)}</td><td>${time(it.active_ms)}</td><td>${it.cycle}</td></tr>`).join("");
 }
 // Code with what its statements see beside each line.
 const bytes = new TextEncoder(), chars = new TextDecoder();

@@ -5,6 +5,7 @@
 //! Of all that the probes tell, a [`Watch`] keeps what one call of its block sees, in one cycle, until it is read;
 //! then it keeps the next one.
 
+pub mod history;
 mod recorder;
 pub mod recording;
 pub mod steps;
@@ -18,6 +19,7 @@ use plcc_abi::monitor::{BlockProbes, Probes};
 use crate::cpu::Cpu;
 use crate::probe::Registers;
 use crate::signal::Source;
+use history::{Activation, History};
 use steps::StepSeen;
 
 pub use recorder::CALLS_MAX;
@@ -53,6 +55,8 @@ struct Watch {
     /// The call that is wanted, as [`Looked::calls`] names it; `None`: the first one.
     wanted: Option<String>,
     calls: Vec<Call>,
+    /// Of a chart: the calls that run, each with the number of blocks that run then.
+    inside: Vec<(usize, usize)>,
     /// Number of blocks that run when the chosen one runs; 0: it does not run.
     depth: usize,
     now: Recorded,
@@ -66,6 +70,8 @@ struct Call {
     path: Vec<u32>,
     instance: u32,
     name: String,
+    /// Of a chart.
+    history: History,
 }
 
 /// What a call has seen.
@@ -78,6 +84,8 @@ pub struct Recorded {
     pub seen: Vec<Option<Seen>>,
     /// Of a chart, at the end of the call.
     pub steps: Vec<StepSeen>,
+    /// Steps of a chart that have become active in the calls since the first look, the newest first.
+    pub history: Vec<Activation>,
 }
 
 /// What a probe has told last.

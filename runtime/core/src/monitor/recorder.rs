@@ -1,7 +1,8 @@
 //! Keeps what the probes of watched calls tell.
 
-use plcc_abi::monitor::Tells;
+use plcc_abi::monitor::{BlockProbes, Tells};
 
+use super::history::History;
 use super::{Call, Monitor, Recorded, Seen, Watch, is_root, steps, text_of};
 use crate::cpu::Cpu;
 use crate::probe::Registers;
@@ -16,6 +17,7 @@ impl Watch {
             block,
             wanted: call.map(str::to_string),
             calls: Vec::new(),
+            inside: Vec::new(),
             depth: 0,
             now: Recorded::default(),
             done: None,
@@ -23,7 +25,7 @@ impl Watch {
     }
 
     /// Its block begins; `running` are the blocks that run.
-    fn enter(&mut self, cpu: &Cpu, running: &[(u32, u32)], probes: usize) {
+    fn enter(&mut self, cpu: &Cpu, running: &[(u32, u32)], block: &BlockProbes) {
         if self.depth != 0 {
             return;
         }
@@ -39,10 +41,15 @@ impl Watch {
             None => {
                 let path = path(cpu, running);
                 let name = cpu.call_name(&path, instance);
-                self.calls.push(Call { path, instance, name });
+                self.calls.push(Call { path, instance, name, history: History::default() });
                 self.calls.len() - 1
             }
         };
+        if !block.steps.is_empty() {
+            // A call that the CPU has left by a STOP did not end.
+            self.inside.retain(|(depth, _)| *depth < running.len());
+            self.inside.push((running.len(), call));
+        }
         let is_wanted = self.wanted.as_ref().is_none_or(|wanted| *wanted == self.calls[call].name);
         if !is_wanted || self.done.is_some() {
             return;
@@ -52,7 +59,16 @@ impl Watch {
         self.now.call = call;
         self.now.steps.clear();
         self.now.seen.clear();
-        self.now.seen.resize(probes, None);
+        self.now.seen.resize(block.probes.len(), None);
+    }
+
+    /// The call of its chart ends, in which so many blocks run.
+    fn note(&mut self, cpu: &Cpu, block: &BlockProbes, depth: usize, instance: u32) {
+        if let Some((_, call)) = self.inside.pop_if(|(inside, _)| *inside == depth)
+            && let Some(call) = self.calls.get_mut(call)
+        {
+            call.history.call(&block.steps, cpu, instance);
+        }
     }
 }
 
@@ -86,7 +102,7 @@ impl Monitor {
         }
         let mut watches = self.watches.borrow_mut();
         for watch in watches.iter_mut().filter(|watch| watch.block == Some(block)) {
-            watch.enter(cpu, &running, of.probes.len());
+            watch.enter(cpu, &running, of);
         }
         self.is_keeping.set(watches.iter().any(|watch| watch.depth == running.len()));
     }
@@ -98,12 +114,19 @@ impl Monitor {
         }
         let mut running = self.running.borrow_mut();
         let mut watches = self.watches.borrow_mut();
-        for watch in watches.iter_mut().filter(|watch| watch.depth != 0 && watch.depth == running.len()) {
+        let (depth, instance) = (running.len(), running.last().map_or(0, |(_, instance)| *instance));
+        for watch in watches.iter_mut() {
+            let block = cpu.probes().zip(watch.block).and_then(|(probes, block)| probes.blocks.get(block));
+            let Some(block) = block else { continue };
+            watch.note(cpu, block, depth, instance);
+            if watch.depth == 0 || watch.depth != depth {
+                continue;
+            }
             watch.depth = 0;
             let mut recorded = std::mem::take(&mut watch.now);
-            let instance = running.last().map_or(0, |(_, instance)| *instance);
-            let block = cpu.probes().zip(watch.block).and_then(|(probes, block)| probes.blocks.get(block));
-            recorded.steps = block.map_or_else(Vec::new, |block| steps::seen(&block.steps, cpu, instance));
+            recorded.steps = steps::seen(&block.steps, cpu, instance);
+            let call = watch.calls.get(recorded.call);
+            recorded.history = call.map_or_else(Vec::new, |call| call.history.list(&block.steps));
             watch.done = Some(recorded);
         }
         if let Some((first, _)) = running.pop() {

@@ -27,6 +27,13 @@ fn is_false(bit: &bool) -> bool {
     !bit
 }
 
+/// Whether a step is active in the instance at this offset in memory.
+pub(super) fn is_active(step: &Step, cpu: &Cpu, instance: u32) -> bool {
+    let (byte, bit) = step.active;
+    let at = instance.checked_add(byte).filter(|at| instance != 0 && cpu.memory.contains(*at, 1));
+    at.is_some_and(|at| cpu.memory.bit(at, bit))
+}
+
 /// The steps in the instance at this offset in memory.
 pub fn seen(steps: &[Step], cpu: &Cpu, instance: u32) -> Vec<StepSeen> {
     let of = |step: &Step| {

@@ -2,6 +2,7 @@
 
 use plcc_abi::ProgramImage;
 use plcc_abi::monitor::{BlockProbes, Probes, Tells};
+use plcc_runtime::monitor::history::Activation;
 use plcc_runtime::monitor::steps::StepSeen;
 use plcc_runtime::monitor::{Looked, Recorded, Seen};
 use plcc_runtime::signal;
@@ -25,6 +26,9 @@ pub struct Status {
     /// The steps of a chart, when something is different.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps: Option<Vec<StepSeen>>,
+    /// The steps that have become active since the page looks, the newest first, when something is different.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<Vec<Activation>>,
 }
 
 /// The places of a block as the page asks for them: first byte, last byte, kind of value.
@@ -59,6 +63,7 @@ pub struct Known {
     calls: usize,
     seen: Vec<Option<Seen>>,
     steps: Vec<StepSeen>,
+    history: Vec<Activation>,
 }
 
 impl Known {
@@ -100,9 +105,13 @@ impl Known {
         if self.steps != recorded.steps {
             status.steps = Some(recorded.steps.clone());
         }
+        if self.history != recorded.history {
+            status.history = Some(recorded.history.clone());
+        }
         status.call = Some((recorded.call, recorded.cycle));
         self.seen = recorded.seen;
         self.steps = recorded.steps;
+        self.history = recorded.history;
     }
 }
 

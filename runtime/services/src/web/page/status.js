@@ -50,7 +50,7 @@ const status = {
     if (!this.block || news.turn !== this.turn) return;
     if (news.calls) this.list(news.calls);
     if (news.call) $("status-seen").textContent = `${this.calls[news.call[0]] ?? ""} in cycle ${news.call[1].toLocaleString("en")}`;
-    this.frame?.see(news.seen ?? [], news.steps);
+    this.frame?.see(news.seen ?? [], news.steps, news.history);
   },
 };
 $("status-on").onchange = () => program.look();
