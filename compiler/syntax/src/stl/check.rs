@@ -160,6 +160,10 @@ pub fn address(text: &str, span: Span, width: Width, byte: u32, bit: u8) -> Opti
             let letters = shown.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
             let help = match digits.strip_prefix('0') {
                 Some(bit) if bit.len() == 1 => format!("write `{letters} 0.{bit}`"),
+                _ if letters.ends_with(['X', 'x']) && letters.contains('.') => {
+                    let block = &letters[..letters.len() - 1];
+                    format!("write `{letters}{byte}.0` for a bit, `{block}B{byte}` for a byte")
+                }
                 _ if letters.ends_with(['X', 'x']) => {
                     let block = &letters[..letters.len() - 1];
                     format!("write `{letters} {byte}.0` for a bit, `{block} {byte}` for a data block")
@@ -190,6 +194,8 @@ fn bit_address(text: &str) -> Option<String> {
     let digits = text[..point].trim_end_matches(|c: char| c.is_ascii_digit());
     let letters = digits.trim_end();
     let area = letters.strip_suffix(['B', 'W', 'D', 'b', 'w', 'd'])?;
+    // The bits of peripheral words are in the process image.
+    let area = if area.len() == 2 { area.trim_start_matches(['P', 'p']) } else { area };
     let bit = if area.ends_with(['B', 'b', 'I', 'i']) && area.len() > 1 { "X" } else { "" };
     (!area.is_empty()).then(|| format!("{area}{bit}{}{}", &digits[letters.len()..], &text[digits.len()..]))
 }
@@ -399,7 +405,11 @@ fn mismatch(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: 
             let address = shown.trim_start_matches(|c: char| c.is_ascii_alphabetic()).trim();
             // The bits of peripheral words are in the process image.
             let letter = shown.trim_start_matches(['P', 'p']).chars().next().unwrap_or('M');
-            let one_bit = if address.starts_with(|c: char| c.is_ascii_digit()) && !shown.contains('.') {
+            let part = shown.rsplit_once('.').filter(|(_, part)| matches!(part.get(..2), Some("DB" | "db")));
+            let one_bit = if let Some((block, part)) = part {
+                let number = part.trim_start_matches(|c: char| c.is_ascii_alphabetic()).trim();
+                format!("`{block}.{}X{number}.0`", &part[..2])
+            } else if address.starts_with(|c: char| c.is_ascii_digit()) && !shown.contains('.') {
                 if matches!(letter, 'D' | 'd') {
                     format!("`{}X {address}.0`", &shown[..2])
                 } else {

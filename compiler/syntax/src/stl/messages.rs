@@ -121,7 +121,12 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
             let number = &state.text[*b_start..*before_end];
             let upper = name.to_ascii_uppercase();
             let digits = upper.strip_prefix('X').filter(|digits| digits.chars().all(|digit| digit.is_ascii_hexdigit()));
+            let binary =
+                upper.strip_prefix('B').filter(|digits| digits.bytes().all(|digit| matches!(digit, b'0' | b'1')));
             let (title, help) = match digits {
+                _ if number == "0" && binary.is_some_and(|digits| !digits.is_empty()) => {
+                    ("a binary number begins with `2#`", format!("write `2#{}`", &upper[1..]))
+                }
                 Some(digits) if number == "0" && (1..=8).contains(&digits.len()) => {
                     let prefix = match digits.len() {
                         1 | 2 => "B#16#",
@@ -357,6 +362,9 @@ fn operator(state: &State, word: &str, range: Range<usize>, class: crate::stl::O
 fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
     let line = state.text[start..].find(['\n', ';', '/']).map_or(state.text.len(), |length| start + length);
     let rest = state.text[start..line].trim_end();
+    if let Some(told) = offset_of_memory(state, start, rest) {
+        return told;
+    }
     let written: Vec<&str> = rest.split(',').map(str::trim).filter(|operand| !operand.is_empty()).collect();
     let lines: Vec<String> = written.iter().map(|operand| format!("`{mnemonic} {operand}`")).collect();
     // A time or a count, which an instruction of bits takes from ACCU1.
@@ -383,6 +391,26 @@ fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
     )
     .label("not read")
     .help(help)
+}
+
+/// `L MW [MD 10,P#0.0]`: an offset, `rest`, after an address that is not a register.
+fn offset_of_memory(state: &State, start: usize, rest: &str) -> Option<Diagnostic> {
+    const LENGTH_MAX: usize = 200;
+    let offset = rest.trim().strip_suffix(']').filter(|offset| !offset.contains(['[', ',']))?.trim();
+    let mut before = state.text[..start].char_indices().rev().take(LENGTH_MAX);
+    let (open, _) = before.find(|(_, character)| *character == '[')?;
+    let pointer = state.text[open + 1..start].trim_end_matches(',').trim();
+    if pointer.is_empty() || pointer.contains([']', ';', '\n']) {
+        return None;
+    }
+    let first = start + (rest.len() - rest.trim_start().len());
+    let message = Diagnostic::new(
+        Code::SurplusOperand,
+        state.span(first..first + offset.len()),
+        "only an address register has an offset",
+    );
+    let help = format!("write `[{pointer}]`, or `LAR1 {pointer}` on the line before, and `[AR1,{offset}]`");
+    Some(message.label("an offset").help(help))
 }
 
 fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {

@@ -52,6 +52,17 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             let double = format!("{}D{}", &letters[..letters.len().checked_sub(1)?], &shown[letters.len()..]);
             Some(format!("an address register has 32 bits: write `{written} {double}`"))
         }
+        (OperandClass::PointerOrNone, OperandKind::Literal(Literal::Int(number @ 0..=4095))) => {
+            let bits = format!("{}.{}", number / 8, number % 8);
+            Some(format!("write `{written} P#{number}.0` for bytes, `{written} P#{bits}` for bits"))
+        }
+        (OperandClass::PointerOrNone, OperandKind::Literal(Literal::AreaPointer { db: 0, .. })) => {
+            let offset = shown.trim_start_matches(|c: char| !c.is_ascii_digit());
+            Some(format!("write `{written} P#{offset}`, without the letters of the area"))
+        }
+        (OperandClass::AddConstant, OperandKind::Literal(Literal::Real(_))) => {
+            Some(format!("write `{load} {shown}` on the line before, and here `{written}R`"))
+        }
         _ => None,
     }
 }

@@ -192,6 +192,21 @@ impl StlBinder<'_, '_> {
                 OperandClass::TransferTarget => Some(format!("write `= {text}`, which writes the RLO to the bit")),
                 _ => None,
             },
+            Settled::Memory { ty, width, .. } if class == OperandClass::AddConstant => {
+                let letter = match (ty.map(Elementary::class), width) {
+                    (Some(Class::Float), _) => 'R',
+                    (_, Width::Dword) => 'D',
+                    _ => 'I',
+                };
+                let load = StlInsn::Load.mnemonic(set);
+                Some(format!("write `{load} {text}` on the line before, and here `+{letter}`"))
+            }
+            Settled::Memory { .. } if matches!(class, OperandClass::ShiftCount16 | OperandClass::ShiftCount32) => {
+                let load = StlInsn::Load.mnemonic(set);
+                Some(format!(
+                    "write `{load} {text}` before the value is loaded: without an operand, the count is in ACCU2"
+                ))
+            }
             Settled::Memory { .. } if writes_bit => {
                 Some(format!("name a bit; for the value in ACCU1 write `T {text}`"))
             }

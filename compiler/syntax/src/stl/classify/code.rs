@@ -364,7 +364,9 @@ impl<'a> Classifier<'a, '_> {
             {
                 let word = self.upper(index);
                 let digits = word.as_str().strip_prefix('X').filter(|_| self.slice(self.raw[index - 1]) == "0");
-                let is_number = digits.is_some_and(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+                let binary = word.as_str().strip_prefix('B').filter(|_| self.slice(self.raw[index - 1]) == "0");
+                let is_number = digits.is_some_and(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()))
+                    || binary.is_some_and(|digits| digits.bytes().all(|digit| matches!(digit, b'0' | b'1')));
                 !is_number && !["MS", "S", "M", "H", "D"].contains(&word.as_str())
             }
             Some(RawKind::Word) => {
