@@ -22,6 +22,7 @@ pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
             local_memory(body, blocks, &mut found);
             divisions(&body.statements, &mut found);
             presets(&body.statements, &mut found);
+            loops(&body.statements, &mut found);
             numbers::review(&body.statements, &mut found);
         }
     }
@@ -43,6 +44,23 @@ fn divisions(statements: &[Statement], found: &mut Vec<Diagnostic>) {
                 Diagnostic::new(Code::AlwaysSame, statement.span, "a division by the constant 0")
                     .label("it sets SM1.3 and leaves its second operand as it is")
                     .help("the first operand is the divisor: write another number, or an address"),
+            );
+        }
+    }
+}
+
+/// Loops whose first constant is above the last one, which the CPU skips.
+/// Source: S7-200 system manual, program control instructions.
+fn loops(statements: &[Statement], found: &mut Vec<Diagnostic>) {
+    for statement in statements {
+        let StatementKind::Instruction { insn: Insn::For, operands } = &statement.kind else { continue };
+        let [_, Operand::Const(first), Operand::Const(last)] = operands.as_slice() else { continue };
+        let (first, last) = (*first as u16 as i16, *last as u16 as i16);
+        if first > last {
+            found.push(
+                Diagnostic::new(Code::UnreachableCode, statement.span, "this loop is never executed")
+                    .label(format!("it counts up from {first}, which is above {last}"))
+                    .help("write the lower number first; for a loop that counts down calculate with the index in it"),
             );
         }
     }
