@@ -72,12 +72,25 @@ impl Repair<'_> {
                 self.replace(at, at + 1, RawKind::Assign, None);
                 true
             }
-            RawKind::DotDot if for_head && assigned && !to && outside => {
+            RawKind::DotDot | RawKind::Comma if for_head && assigned && !to && outside => {
                 let range = self.words(self.statement_head(), at - 1).to_owned();
-                let last = self.token(at + 1).map_or("…", |token| self.slice(token));
+                let is_end = |index| {
+                    matches!(self.keyword(index), Some(Keyword::Do | Keyword::By))
+                        || self.kind(index) == Some(RawKind::Comma)
+                };
+                let last = match self.part_of_head(is_end).filter(|end| *end > at + 1) {
+                    Some(end) => self.words(at + 1, end - 1),
+                    None => self.token(at + 1).map_or("…", |token| self.slice(token)),
+                };
                 let help = format!("write `FOR {range} TO {last} DO`");
                 self.report(at, at + 1, "FOR counts with TO".to_owned(), "read as `TO`", help);
                 self.replace(at, at + 1, RawKind::Word, Some(Keyword::To));
+                true
+            }
+            RawKind::Comma if for_head && to && !by && outside => {
+                let (title, help) = ("the step of FOR is given with BY", "write `BY` for `,`");
+                self.report(at, at + 1, title.to_owned(), "read as `BY`", help.to_owned());
+                self.replace(at, at + 1, RawKind::Word, Some(Keyword::By));
                 true
             }
             // Without THEN, a statement follows.

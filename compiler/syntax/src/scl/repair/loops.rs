@@ -54,7 +54,7 @@ impl Repair<'_> {
     }
 
     /// The first token of the head after the current one of which `is_part` is true.
-    fn part_of_head(&self, is_part: impl Fn(usize) -> bool) -> Option<usize> {
+    pub(super) fn part_of_head(&self, is_part: impl Fn(usize) -> bool) -> Option<usize> {
         let ends = |index: usize| {
             self.kind(index) == Some(RawKind::Semicolon)
                 || self.keyword(index).is_some_and(|word| word == Keyword::Do || word.ends_block())
