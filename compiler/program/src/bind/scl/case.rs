@@ -49,7 +49,15 @@ impl SclBinder<'_, '_> {
         };
         if !fits {
             let is = message::described(&value);
-            self.wrong_type(node.span, &is, "an integer", Some("for other values use IF and ELSIF".to_string()));
+            let text = self.program.globals.text(node.span);
+            let help = match &value {
+                Value::Elementary(expr) if expr.ty == Elementary::Bool => {
+                    format!("write `IF {text} THEN … ELSE … END_IF;`")
+                }
+                Value::Elementary(expr) if expr.ty.is_float() => format!("write `IF {text} < … THEN`, and ELSIF"),
+                _ => format!("write `IF {text} = … THEN`, and ELSIF for each other value"),
+            };
+            self.wrong_type(node.span, &is, "an integer", Some(help));
             return None;
         }
         self.own_type(ctx, value)
@@ -135,7 +143,16 @@ impl SclBinder<'_, '_> {
         if of_types && let Some(Constant::Typed { bits, .. }) = self.named_type_number(ctx, node) {
             return Some(i128::from(bits));
         }
-        let value = self.program.globals.constant(&ctx.block.bound.constants, node)?;
+        let told = self.program.globals.report.diagnostics.len();
+        let Some(value) = self.program.globals.constant(&ctx.block.bound.constants, node) else {
+            let text = self.program.globals.text(node.span);
+            for message in self.program.globals.report.diagnostics.iter_mut().skip(told) {
+                message
+                    .help
+                    .get_or_insert_with(|| format!("the values of CASE are constants: compare with `{text}` in an IF"));
+            }
+            return None;
+        };
         self.subtracted_range(node);
         self.joined_values(ctx, node);
         let (least, most) = constant::range(ty);
