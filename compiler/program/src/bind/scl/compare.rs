@@ -11,7 +11,7 @@ use super::convert::{self, Implicit};
 use super::expression::{binary_expr, constant_expr, typed_constant};
 use super::numeric::{self, Shape};
 use super::value::Value;
-use super::{Rules, constant, text, time};
+use super::{Rules, constant, message, text, time};
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
 use plcc_binding::rewrite;
@@ -101,11 +101,43 @@ impl SclBinder<'_, '_> {
                     let (first, middle) = (text(left.span()), text(middle.span));
                     format!("write `{first} AND {middle} {} {}`", text(op_span), text(right.span()))
                 } else {
-                    "both sides must be of one type; convert one of them".to_string()
+                    self.sides_as_compared(ctx.scope.rules, op_span, &left, &right)
                 };
                 self.operator_types(op_span, &left, &right, &help);
                 None
             }
+        }
+    }
+
+    /// How two values that do not go together are compared.
+    fn sides_as_compared(&self, rules: Rules, op_span: Span, left: &Value, right: &Value) -> String {
+        let text = |value: &Value| self.program.globals.text(value.span());
+        let (first, sign, second) = (text(left), self.program.globals.text(op_span), text(right));
+        let is_string = |value: &Value| matches!(value, Value::Complex { ty: DataType::String(_), .. });
+        let converted = |from: Elementary, to: Elementary, text: &str| {
+            convert::explicit(rules, from, to).map(|_| message::conversion(from, to, text).trim_matches('`').to_owned())
+        };
+        match (number_type(left), number_type(right)) {
+            (_, Some(ty)) if is_string(left) => format!("write `STRING_TO_{}({first}) {sign} {second}`", ty.name()),
+            (Some(ty), _) if is_string(right) => format!("write `{first} {sign} STRING_TO_{}({second})`", ty.name()),
+            (Some(_), None) if let Some(number) = number_in_quotes(right, &second) => {
+                format!("a number has no quotes: write `{first} {sign} {number}`")
+            }
+            (None, Some(_)) if let Some(number) = number_in_quotes(left, &first) => {
+                format!("a number has no quotes: write `{number} {sign} {second}`")
+            }
+            _ => match (Shape::of(left), Shape::of(right)) {
+                (Shape::Of(Elementary::Bool), Shape::Integer(_)) => {
+                    format!("a BOOL is TRUE or FALSE: write `{first}` or `NOT {first}`")
+                }
+                (Shape::Of(a), Shape::Of(b)) if let Some(second) = converted(b, a, &second) => {
+                    format!("convert one of them, as in `{first} {sign} {second}`")
+                }
+                (Shape::Of(a), Shape::Of(b)) if let Some(first) = converted(a, b, &first) => {
+                    format!("convert one of them, as in `{first} {sign} {second}`")
+                }
+                _ => "both sides must be of one type".to_owned(),
+            },
         }
     }
 
@@ -401,6 +433,25 @@ fn elements(a: &Access, b: &Access, pairs: &mut Vec<(Access, Access)>) -> bool {
 /// A comparison of two values of one type.
 pub fn comparison(op: CompareOp, left: Expr, right: Expr, span: Span) -> Expr {
     Expr { kind: ExprKind::Compare { op, left: Box::new(left), right: Box::new(right) }, ty: Elementary::Bool, span }
+}
+
+/// The type of a number; that of a constant without a type is the smallest usual one.
+fn number_type(value: &Value) -> Option<Elementary> {
+    match Shape::of(value) {
+        Shape::Of(ty) if ty.is_integer() || ty.is_float() => Some(ty),
+        Shape::Integer(value) if i16::try_from(value).is_ok() => Some(Elementary::Int),
+        Shape::Integer(_) => Some(Elementary::Dint),
+        Shape::Real => Some(Elementary::Real),
+        Shape::Of(_) | Shape::Letter | Shape::Other => None,
+    }
+}
+
+/// The number that a text constant, which is written as `text`, consists of.
+fn number_in_quotes<'t>(value: &Value, text: &'t str) -> Option<&'t str> {
+    let is_text = matches!(value, Value::Constant(Constant::Text { .. }, _));
+    let inner = text.trim_matches('\'').trim();
+    (is_text && inner.starts_with(|c: char| c.is_ascii_digit() || c == '-') && inner.parse::<f64>().is_ok())
+        .then_some(inner)
 }
 
 fn complex_type(value: &Value) -> Option<DataType> {

@@ -89,6 +89,9 @@ impl SclBinder<'_, '_> {
                     format!("NOT needs a BOOL or a bit string: write `{} = {zero}`", text(operand.span))
                 }
                 (Sign::Not, _) => "NOT needs a BOOL or a bit string".to_owned(),
+                (Sign::Minus, _) if shape.elementary() == Some(Elementary::Bool) => {
+                    format!("the opposite of a BOOL is `NOT {}`", text(operand.span))
+                }
                 (Sign::Minus | Sign::Plus, _) => "only numbers of signed types and TIME can have a sign".to_owned(),
             };
             self.refuse(

@@ -34,9 +34,10 @@ impl SclBinder<'_, '_> {
             Kind::Float(function) => self.float_function(ctx, function, suffix, pins.get("IN")?, span),
             Kind::Absolute => {
                 let (mut values, ty) = self.alike(ctx, &[pins.get("IN")?], suffix)?;
-                self.number_wanted(row, ty, pins.name)?;
-                let operand = Box::new(values.pop()?);
-                Some(Expr { kind: ExprKind::Unary { op: UnaryOp::Abs, operand }, ty, span })
+                let operand = values.pop()?;
+                self.number_wanted(&operand)?;
+                let kind = ExprKind::Unary { op: UnaryOp::Abs, operand: Box::new(operand) };
+                Some(Expr { kind, ty, span })
             }
             Kind::Extreme(op) => {
                 let nodes = pins.numbered("IN1");
@@ -97,7 +98,7 @@ impl SclBinder<'_, '_> {
             Kind::NormX => {
                 let nodes = [pins.get("MIN")?, pins.get("VALUE")?, pins.get("MAX")?];
                 let (arguments, ty) = self.alike(ctx, &nodes, None)?;
-                self.number_wanted(row, ty, pins.name)?;
+                self.number_wanted(arguments.first()?)?;
                 let result = suffix.unwrap_or(if ty == Elementary::Lreal { ty } else { Elementary::Real });
                 self.float_suffix(row, result, pins.name)?;
                 self.check_scale(&arguments, "1.0 - the result");
@@ -106,7 +107,7 @@ impl SclBinder<'_, '_> {
             Kind::ScaleX => {
                 let value = self.float_value(ctx, pins.get("VALUE")?, None);
                 let (mut arguments, ty) = self.alike(ctx, &[pins.get("MIN")?, pins.get("MAX")?], suffix)?;
-                self.number_wanted(row, ty, pins.name)?;
+                self.number_wanted(arguments.first()?)?;
                 arguments.insert(1, value?);
                 self.check_scale(&arguments, "1.0 - the value");
                 Some(computed(Function::ScaleX, arguments, ty, span))
@@ -458,11 +459,16 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    fn number_wanted(&mut self, row: &Row, ty: Elementary, name: Span) -> Option<()> {
-        if ty.is_integer() || ty.is_float() {
+    fn number_wanted(&mut self, value: &Expr) -> Option<()> {
+        if value.ty.is_integer() || value.ty.is_float() {
             return Some(());
         }
-        self.wrong_type(name, &format!("called with {}", ty.name()), &format!("a number for {}", row.name), None);
+        let text = self.program.globals.text(value.span);
+        let help = match value.ty {
+            Elementary::Time => Some(format!("as a number of milliseconds it is `TIME_TO_DINT({text})`")),
+            _ => None,
+        };
+        self.wrong_type(value.span, &format!("of type {}", value.ty.name()), "a number", help);
         None
     }
 
