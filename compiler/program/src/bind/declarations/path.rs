@@ -238,6 +238,13 @@ impl Declarations<'_> {
             {
                 format!("this function has no value: give it a type, as in `FUNCTION \"{}\" : Int`", global.name)
             }
+            Some(global)
+                if kind_prefix(ctx.key.kind) == BlockPrefix::Fb
+                    && global.target
+                        == (SymbolTarget::Block { prefix: BlockPrefix::Fb, number: u32::from(ctx.key.number) }) =>
+            {
+                "a function block has no value: declare it in VAR_OUTPUT".to_owned()
+            }
             Some(global) => format!("write `\"{}\"`: `#` is for what the block itself declares", global.name),
             None => "declare it in one of the VAR sections of the block".to_owned(),
         }

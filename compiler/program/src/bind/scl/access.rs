@@ -7,7 +7,7 @@ use plcc_binding::fold;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{Access, Complex, Expr, ExprKind, IndexedArea};
 use plcc_model::types::DataType;
-use plcc_model::{Direction, Passing};
+use plcc_model::{Direction, Number, Passing};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Area, BlockPrefix, OperandKind, Width};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
@@ -17,6 +17,7 @@ use super::peripheral::without_peripheral;
 use super::place::{Db, Root, Spot, Thing};
 use super::value::Value;
 use crate::bind::declarations::path;
+use crate::bind::globals::names::kind_prefix;
 use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::{SclBinder, SclBlock};
 
@@ -52,8 +53,15 @@ impl SclBinder<'_, '_> {
                 let function = matches!(thing, Thing::Block { prefix: BlockPrefix::Fc, .. });
                 let own = if function && intent == Intent::Write { self.own_value(ctx) } else { None };
                 ctx.scope.value_set |= own.is_some();
+                let key = ctx.block.key;
+                let is_this = matches!(thing, Thing::Block { prefix, number: Number::Known(number) }
+                    if (prefix, number) == (kind_prefix(key.kind), key.number) && intent == Intent::Write);
                 let help = match own {
                     Some(own) => format!("the value of this function is `{own}`: write `{own} := …`"),
+                    None if is_this && function => {
+                        format!("this function has no value: give it a type, as in `FUNCTION {text} : Int`")
+                    }
+                    None if is_this => "a block of this kind has no value: assign to one of its outputs".to_string(),
                     None => "name a variable or an address such as `MW10`".to_string(),
                 };
                 let title = format!("`{text}` is not a variable");
