@@ -180,8 +180,13 @@ fn networks_as_statements_do_the_same() {
 /// Files of which no block stays in its language.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 4] =
-        ["addresses_take_the_type", "boxes/called_by_name", "comparisons_by_type", "wires_of_boxes_that_are_off"];
+    const FILES: [&str; 5] = [
+        "addresses_take_the_type",
+        "boxes/called_by_name",
+        "comparisons_by_type",
+        "wires_of_boxes_that_are_off",
+        "wires_with_numbers_of_calls",
+    ];
     for name in FILES {
         let text = fs::read_to_string(tests_folder().join(format!("run/lad-fbd/{name}.s7dcl"))).expect("a test file");
         let keeps_br = text.contains("//@ cpu s7-300");

@@ -333,19 +333,23 @@ impl Maker<'_> {
         let mut before = Vec::new();
         for pin in graph.elements[at].pins.iter().filter(|pin| pin.output) {
             let PinValue::Net(net) = pin.value else { continue };
-            let Some((operand, ty)) = self.typed.get(&net) else { continue };
+            let Some((operand, ty)) = self.typed.get(&net).cloned() else { continue };
             if plan.is_guarded(graph, net, at) {
                 continue;
             }
             let zero = match ty {
                 Elementary::Real => Literal::Real(0.0),
                 ty if ty.bits() == 32 => Literal::Dint(0),
-                _ => Literal::Int(0),
+                ty if ty.bits() < 32 => Literal::Int(0),
+                _ => {
+                    let what = format!("a wire with a value of {} that a box with EN feeds", ty.name());
+                    return self.refuse(pin.span, what, "put a variable between");
+                }
             };
             let zero = Operand { kind: OperandKind::Literal(zero), span: self.span };
             // Neither of them changes the RLO.
             before.push((StlInsn::Load, zero));
-            before.push((StlInsn::Transfer, operand.clone()));
+            before.push((StlInsn::Transfer, operand));
         }
         self.insert(jump, before);
     }

@@ -2,7 +2,7 @@
 
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, Operand, OperandKind, Parameter, StatementKind};
-use plcc_syntax::network::ast::{Graph, PinValue, Target};
+use plcc_syntax::network::ast::{Element, Graph, PinValue, Target, TemplateKey};
 use plcc_syntax::scl::ast::{Expr, ExprKind};
 use plcc_syntax::stl::StlInsn;
 
@@ -10,6 +10,7 @@ use super::Maker;
 use super::logic::Logic;
 use super::operand::block_name;
 use super::plan::Plan;
+use super::types::elementary;
 
 impl Maker<'_> {
     pub fn call_box(&mut self, graph: &Graph, plan: &Plan, at: usize, callee: &Expr, instance: Option<&Expr>) {
@@ -121,6 +122,7 @@ impl Maker<'_> {
             if matches!(pin.name.as_str(), "en" | "eno") || pin.value == PinValue::Open {
                 continue;
             }
+            let is_result = pin.output && pin.name.eq_ignore_ascii_case(&function);
             let actual = match &pin.value {
                 PinValue::Operand(value) if !pin.negated => match self.operand(value) {
                     Some(operand) => operand,
@@ -143,14 +145,15 @@ impl Maker<'_> {
                     }
                 }
                 PinValue::Net(net) if plan.is_used(*net) && !pin.negated => {
-                    let bit = self.temporary(Elementary::Bool);
-                    results.push((index, bit.clone()));
-                    bit
+                    let name = if is_result { "RET_VAL" } else { pin.name.as_str() };
+                    let ty = self.type_of_output(element, (&target, instance.as_ref()), name);
+                    let result = self.temporary(ty);
+                    results.push((index, *net, result.clone(), ty));
+                    result
                 }
                 PinValue::Net(_) if !pin.negated => continue,
                 _ => return self.refuse(pin.span, "an inverted output", "invert the value after the box"),
             };
-            let is_result = pin.output && pin.name.eq_ignore_ascii_case(&function);
             let name = if is_result { "RET_VAL".to_string() } else { pin.name.to_uppercase() };
             parameters.push(Parameter { name, name_span: pin.span, actual: Some(actual) });
         }
@@ -169,8 +172,21 @@ impl Maker<'_> {
         }
         let enable = self.input(graph, plan, at, "en");
         let wanted = self.is_wanted(graph, plan, at, "eno");
-        let call = StatementKind::Call(Box::new(ast::Call { target, types: Vec::new(), instance, parameters }));
+        let mut call = ast::Call { target, types: Vec::new(), instance, parameters };
+        // In STL, a function needs all its parameters.
+        for (name, ty) in self.types.outputs_of_function(&call, self.block) {
+            if call.parameters.iter().any(|given| given.name.eq_ignore_ascii_case(&name)) {
+                continue;
+            }
+            let Some(ty) = ty else {
+                return self.refuse(element.span, format!("the open output `{name}`"), "connect a variable");
+            };
+            let unused = self.temporary(ty);
+            call.parameters.push(Parameter { name, name_span: element.span, actual: Some(unused) });
+        }
+        let call = StatementKind::Call(Box::new(call));
         self.sets_br = true;
+        let mut skip = None;
         match enable {
             Logic::Constant(true) => {
                 if wanted || self.keeps_br {
@@ -188,18 +204,38 @@ impl Maker<'_> {
                 self.rlo = None;
                 self.push_kind(call);
                 // EN is 0 where the call is skipped.
-                let wires = results.iter().filter(|(pin, _)| match element.pins[*pin].value {
-                    PinValue::Net(net) => !plan.is_guarded(graph, net, at),
-                    PinValue::Operand(_) | PinValue::Open => false,
-                });
-                let clears = wires.map(|(_, bit)| (StlInsn::Assign, bit.clone())).collect();
+                let wires = results
+                    .iter()
+                    .filter(|(_, net, _, ty)| *ty == Elementary::Bool && !plan.is_guarded(graph, *net, at));
+                let clears = wires.map(|(_, _, bit, _)| (StlInsn::Assign, bit.clone())).collect();
                 self.insert(jump, clears);
+                skip = Some(jump);
                 self.label(&label);
             }
         }
-        for (pin, bit) in results {
-            self.outputs.insert((at, pin), Logic::Operand(bit));
+        for (pin, net, result, ty) in results {
+            match ty {
+                Elementary::Bool => drop(self.outputs.insert((at, pin), Logic::Operand(result))),
+                ty => drop(self.typed.insert(net, (result, ty))),
+            }
         }
+        self.clear_wires(graph, plan, at, skip);
         self.take_eno(graph, plan, at, wanted);
+    }
+
+    /// The type of an output that feeds a wire; `called`: the block, and its instance. If nothing tells it, it is a signal.
+    fn type_of_output(&self, element: &Element, called: (&Operand, Option<&Operand>), name: &str) -> Elementary {
+        let (target, instance) = (called.0.clone(), called.1.cloned());
+        let call = ast::Call { target, types: Vec::new(), instance, parameters: Vec::new() };
+        if let Some(ty) = self.types.formal(&call, name, self.block) {
+            return ty;
+        }
+        let set = |key: TemplateKey| element.template(key).and_then(|template| elementary(&template.value));
+        let of_instance = match (&element.target, name) {
+            (Target::Element { .. }, "et") => Some(set(TemplateKey::Time).unwrap_or(Elementary::Time)),
+            (Target::Element { .. }, "cv") => Some(set(TemplateKey::Value).unwrap_or(Elementary::Int)),
+            _ => None,
+        };
+        of_instance.unwrap_or(Elementary::Bool)
     }
 }

@@ -147,9 +147,24 @@ impl<'a> Types<'a> {
     pub fn formal(&self, call: &Call, parameter: &str, block: &CodeBlock) -> Option<Elementary> {
         let name = key(&self.called(call, block)?);
         let called = self.blocks.get(&name)?;
+        if let Some(ty) = called.return_type.as_ref().filter(|_| parameter.eq_ignore_ascii_case("RET_VAL")) {
+            return self.part(ty, &[]);
+        }
         let mut variables = called.sections.iter().flat_map(|section| &section.variables);
         let formal = variables.find(|variable| variable.name.eq_ignore_ascii_case(parameter))?;
         self.part(&formal.ty, &[])
+    }
+
+    /// The outputs of the function that is called, if it is in the sources, with the types of those that are elementary.
+    pub fn outputs_of_function(&self, call: &Call, block: &CodeBlock) -> Vec<(String, Option<Elementary>)> {
+        let called = self.called(call, block).and_then(|name| self.blocks.get(&key(&name)));
+        let Some(called) = called.filter(|called| called.kind == CodeKind::Fc) else { return Vec::new() };
+        let sections = called.sections.iter().filter(|section| section.kind == SectionKind::Output);
+        let outputs = sections.flat_map(|section| &section.variables).map(|one| (one.name.clone(), &one.ty));
+        // VOID is no type of a variable.
+        let is_value = |ty: &&TypeRef| !matches!(&ty.kind, TypeKind::Named(name) if name.eq_ignore_ascii_case("VOID"));
+        let result = called.return_type.as_ref().filter(is_value).map(|ty| ("RET_VAL".to_string(), ty));
+        outputs.chain(result).map(|(name, ty)| (name, self.part(ty, &[]))).collect()
     }
 
     /// The element for a call of a function block that editors have as one, such as TON.
