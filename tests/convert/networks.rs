@@ -29,6 +29,9 @@ struct AsStl {
 }
 
 fn as_stl(text: &str, others: &[SourceUnit], tables: &[SymbolTable], keeps_br: bool) -> AsStl {
+    // An S7-1200 has no STL.
+    let text = text.replace("//@ cpu s7-1200", "//@ cpu s7-1500");
+    let text = text.as_str();
     let (unit, _) = plcc_readers::parse(FileId::default(), text, &ReadOptions::default());
     let types = Types::new(std::iter::once(&unit).chain(others), tables);
     let types = types.with_instructions(plcc_program::instruction_pins);
@@ -177,13 +180,16 @@ fn networks_as_statements_do_the_same() {
     assert!(count > 30, "only {count} blocks");
 }
 
-/// Files of which no block stays in its language.
+/// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 5] = [
+    const FILES: [&str; 8] = [
         "addresses_take_the_type",
         "boxes/called_by_name",
         "comparisons_by_type",
+        "counters",
+        "ranges",
+        "timer_vectors",
         "wires_of_boxes_that_are_off",
         "wires_with_numbers_of_calls",
     ];
@@ -191,6 +197,7 @@ fn whole_files_are_converted() {
         let text = fs::read_to_string(tests_folder().join(format!("run/lad-fbd/{name}.s7dcl"))).expect("a test file");
         let keeps_br = text.contains("//@ cpu s7-300");
         let made = as_stl(&text, &[], &[], keeps_br);
-        assert!(made.blocks > 0 && made.refused.is_empty(), "{name}: {:?}", made.refused);
+        let is_known = |title: &String| title.contains("a network in SCL");
+        assert!(made.blocks > 0 && made.refused.iter().all(is_known), "{name}: {:?}", made.refused);
     }
 }

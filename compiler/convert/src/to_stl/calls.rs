@@ -2,6 +2,7 @@
 
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, Operand, OperandKind, Parameter, StatementKind};
+use plcc_syntax::literal::Literal;
 use plcc_syntax::network::ast::{Element, Graph, PinValue, Target, TemplateKey};
 use plcc_syntax::scl::ast::{Expr, ExprKind};
 use plcc_syntax::stl::StlInsn;
@@ -80,18 +81,56 @@ impl Maker<'_> {
             return self.refuse(span, format!("`{name}` without an instance"), "name its instance");
         };
         let Some(operand) = self.instance(instance) else { return };
-        if self.type_name(instance).is_some_and(|name| name.starts_with("IEC_")) {
+        let ty = self.type_name(instance).map(str::to_uppercase);
+        let is_common = ty.as_deref().is_some_and(|ty| ty.starts_with("IEC_"));
+        if is_common && self.keeps_br {
             let what = format!("`{name}` on a variable whose type is that of several blocks");
             return self.refuse(span, what, &format!("declare the variable as {name}"));
         }
         let is_block = matches!(operand.kind, OperandKind::Block(_));
-        if is_block {
-            let name = ast::BlockName::Symbol { name: name.to_string(), span };
-            let target = Operand { kind: OperandKind::Block(name), span };
+        // The declarations of the block do not show the types of other instances.
+        if is_block || is_common || (ty.is_none() && !self.keeps_br) {
+            let target = self.block_named(name);
             self.call(graph, plan, at, target, Some(operand));
         } else {
             self.call(graph, plan, at, operand, None);
         }
+    }
+
+    /// TP, TON, TOF and TONR as coils: the flow is IN.
+    pub fn timer_coil(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str) {
+        let element = &graph.elements[at];
+        let (Some(PinValue::Operand(timer)), Some(PinValue::Operand(time)), false) =
+            (element.pin("timer").map(|pin| &pin.value), element.pin("pt").map(|pin| &pin.value), self.keeps_br)
+        else {
+            return self.refuse(element.span, format!("the coil `{name}` here"), "write the box with an instance");
+        };
+        let (Some(instance), Some(time)) = (self.instance(timer), self.operand(time)) else { return };
+        let flow = self.input(graph, plan, at, "in");
+        let start = match self.passed(graph, plan, at, flow) {
+            Logic::Operand(operand) => operand,
+            Logic::Constant(value) => Operand { kind: OperandKind::Literal(Literal::Bool(value)), span: element.span },
+            flow => match self.stored(&flow) {
+                Logic::Operand(bit) => bit,
+                _ => return,
+            },
+        };
+        let parameters = [("IN", start), ("PT", time)].map(|(name, actual)| Parameter {
+            name: name.to_string(),
+            name_span: element.span,
+            actual: Some(actual),
+        });
+        let (target, parameters) = (self.block_named(name), parameters.to_vec());
+        let call = ast::Call { target, types: Vec::new(), instance: Some(instance), parameters };
+        self.sets_br = true;
+        self.rlo = None;
+        self.push_kind(StatementKind::Call(Box::new(call)));
+    }
+
+    /// A block of the system.
+    fn block_named(&self, name: &str) -> Operand {
+        let name = ast::BlockName::Symbol { name: name.to_string(), span: self.span };
+        Operand { kind: OperandKind::Block(name), span: self.span }
     }
 
     /// An instance: a data block, or a variable of the block.
@@ -111,6 +150,11 @@ impl Maker<'_> {
 
     fn call(&mut self, graph: &Graph, plan: &Plan, at: usize, target: Operand, instance: Option<Operand>) {
         let element = &graph.elements[at];
+        let enable = match self.input(graph, plan, at, "en") {
+            // A bit that is stored for the call would take its place.
+            Logic::Rlo if element.pins.iter().any(|pin| !pin.output && pin.negated) => self.stored(&Logic::Rlo),
+            enable => enable,
+        };
         let mut parameters = Vec::new();
         let mut results = Vec::new();
         // PLCopen XML calls the result of a function as the function.
@@ -170,7 +214,6 @@ impl Maker<'_> {
                 parameter.name = names.last().unwrap_or(&parameter.name).to_uppercase();
             }
         }
-        let enable = self.input(graph, plan, at, "en");
         let wanted = self.is_wanted(graph, plan, at, "eno");
         let mut call = ast::Call { target, types: Vec::new(), instance, parameters };
         // In STL, a function needs all its parameters.

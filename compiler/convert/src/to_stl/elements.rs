@@ -238,6 +238,7 @@ impl Maker<'_> {
                 }
             }
             Kind::Instance(name) => self.instance_box(graph, plan, at, name, instance),
+            Kind::TimerCoil(name) => self.timer_coil(graph, plan, at, name),
             Kind::Compare(_) | Kind::Range { .. } | Kind::Valid { .. } => {
                 let value = self.meaning(graph, plan, at);
                 self.evaluate(&value);
@@ -277,7 +278,7 @@ impl Maker<'_> {
     }
 
     /// The flow of a coil, in a variable if something after the coil needs it.
-    fn passed(&mut self, graph: &Graph, plan: &Plan, at: usize, flow: Logic) -> Logic {
+    pub fn passed(&mut self, graph: &Graph, plan: &Plan, at: usize, flow: Logic) -> Logic {
         let element = &graph.elements[at];
         let pins: Vec<usize> = (0..element.pins.len())
             .filter(|pin| element.pins[*pin].output && element.pins[*pin].name == "out")
