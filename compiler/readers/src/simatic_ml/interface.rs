@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use super::data_type;
 use super::initial;
-use super::reader::Reader;
+use super::reader::{Reader, first_text};
 use super::schema;
 use crate::xml::{attribute_range, child, children, elements, head, text_of};
 use plcc_syntax::ast::{Constant, Retain, Section, SectionKind, TypeKind, TypeRef, Variable};
@@ -182,7 +182,7 @@ pub fn variable(reader: &mut Reader, member: Node, depth: usize) -> Variable {
         at: overlaid(reader, member),
         initial: initial::of_member(reader, member, &ty),
         ty,
-        comment: child(member, "Comment").map(text_of).filter(|text| !text.is_empty()),
+        comment: child(member, "Comment").and_then(first_text),
     }
 }
 

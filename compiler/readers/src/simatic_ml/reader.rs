@@ -147,14 +147,14 @@ pub fn multilingual(object: Node, name: &str) -> Option<String> {
 
 /// The first text of each of the given elements below a node that is not an object, as lines: titles and comments in GRAPH.
 pub fn texts(node: Node, names: &[&str]) -> Vec<String> {
-    let mut found = Vec::new();
-    for name in names {
-        let texts = child(node, name).into_iter().flat_map(|text| children(text, "MultiLanguageText"));
-        if let Some(text) = texts.map(text_of).find(|text| !text.is_empty()) {
-            found.extend(text.lines().map(str::to_string));
-        }
-    }
-    found
+    let texts = names.iter().filter_map(|name| child(node, name)).filter_map(first_text);
+    texts.flat_map(|text| text.lines().map(str::to_string).collect::<Vec<_>>()).collect()
+}
+
+/// A title or comment that is not an object, in the first language that has a text.
+pub fn first_text(node: Node) -> Option<String> {
+    let mut texts = children(node, "MultiLanguageText").map(text_of);
+    texts.find(|text| !text.is_empty())
 }
 
 /// The text of an attribute in the list of an object: `Name`, `Number`.

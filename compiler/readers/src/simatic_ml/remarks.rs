@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use roxmltree::Node;
 
+use super::reader::first_text;
 use crate::xml::{is, raw_text_of};
 use plcc_syntax::front::{Comment, CommentForm};
 use plcc_syntax::scl;
@@ -70,17 +71,19 @@ fn comment(node: Node) -> Option<(String, CommentForm)> {
         let text = node.text()?.trim().strip_prefix('@')?.trim();
         return Some((format!("//@ {text}"), CommentForm::Line));
     }
-    if !is(node, "LineComment") || !node.ancestors().any(is_code) {
+    // Statements have comments in one language, and in several.
+    let is_line = is(node, "LineComment");
+    if !(is_line || is(node, "Comment")) || !node.ancestors().any(is_code) {
         return None;
     }
-    let text = raw_text_of(node);
+    let text = if is_line { raw_text_of(node) } else { first_text(node)? };
     let text = text.trim();
     if text.contains('\n') && !text.contains("*)") {
         return Some((format!("(*{text}*)"), CommentForm::Block));
     }
     let sign = match text {
         _ if text.starts_with("//") => "",
-        _ if text.starts_with('@') => "//",
+        _ if text.starts_with('@') && is_line => "//",
         _ => "// ",
     };
     Some((format!("{sign}{}", text.replace(['\n', '\r'], " ")), CommentForm::Line))

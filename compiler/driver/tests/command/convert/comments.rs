@@ -76,6 +76,57 @@ fn comments_of_exports_stay() {
     assert_eq!(convert("b.xml", "xml"), first);
 }
 
+/// A comment in several languages is that of the first one, of a declaration as well as between statements.
+#[test]
+fn comments_in_several_languages_stay() {
+    const DOCUMENT: &str = r#"<?xml version="1.0" encoding="utf-8"?>
+<Document>
+  <Engineering version="V17" />
+  <SW.Blocks.FC ID="0">
+    <AttributeList>
+      <Interface><Sections xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v5">
+  <Section Name="Temp">
+    <Member Name="n" Datatype="Int">
+      <Comment>
+        <MultiLanguageText Lang="de-DE">Zahl</MultiLanguageText>
+        <MultiLanguageText Lang="en-US">number</MultiLanguageText>
+      </Comment>
+    </Member>
+  </Section>
+</Sections></Interface>
+      <Name>F</Name>
+      <ProgrammingLanguage>SCL</ProgrammingLanguage>
+    </AttributeList>
+    <ObjectList>
+      <SW.Blocks.CompileUnit ID="1" CompositionName="CompileUnits">
+        <AttributeList>
+          <NetworkSource><StructuredText xmlns="http://www.siemens.com/automation/Openness/SW/NetworkSource/StructuredText/v3">
+  <Comment UId="21">
+    <MultiLanguageText Lang="de-DE" UId="22">Anfang</MultiLanguageText>
+    <MultiLanguageText Lang="en-US" UId="23">begin</MultiLanguageText>
+  </Comment>
+  <NewLine UId="24" />
+  <Access Scope="LocalVariable" UId="25"><Symbol UId="26"><Component Name="n" UId="27" /></Symbol></Access>
+  <Token Text=":=" UId="28" />
+  <Access Scope="LiteralConstant" UId="29"><Constant UId="30"><ConstantValue UId="31">5</ConstantValue></Constant></Access>
+  <Token Text=";" UId="32" />
+</StructuredText></NetworkSource>
+          <ProgrammingLanguage>SCL</ProgrammingLanguage>
+        </AttributeList>
+      </SW.Blocks.CompileUnit>
+    </ObjectList>
+  </SW.Blocks.FC>
+</Document>
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.xml"), DOCUMENT).expect("the folder can be written");
+    let found = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    let wanted = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    n : Int;                    // Zahl\nEND_VAR\nBEGIN\n    // Anfang\n    \
+                  #n := 5;\nEND_FUNCTION\n";
+    assert_eq!(found, wanted);
+}
+
 /// Comments of a block and of a structure are not those of the variable after them.
 #[test]
 fn comments_of_structures_stay_with_them() {
