@@ -169,6 +169,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 if matches!(to, ConvertTo::Lad | ConvertTo::Fbd) && has(unit, |code| matches!(code, Code::Stl(_))) {
                     messages.extend(asserted::of_registers(*id, &source.text, unit.mnemonics));
                 }
+                messages.extend(languages_left_out(*id, &source.text));
                 let (tags, found) = tags_beside(*id, &source.text, &parsed.tables);
                 messages.extend(found);
                 // What is made of a document names the texts of that.
@@ -294,6 +295,12 @@ fn has_quoted_types(to: ConvertTo, unit: &SourceUnit, source: &SourceFile) -> bo
         ConvertTo::Scl => unit.overlay.is_some() || is_document(source),
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Gr7 | ConvertTo::Plcopen | ConvertTo::Awl => false,
     }
+}
+
+/// A warning about the texts of an export of the TIA Portal that exist in several languages.
+fn languages_left_out(file: FileId, source: &str) -> Option<Diagnostic> {
+    let is_export = matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_)));
+    is_export.then(|| simatic_ml::languages_left_out(file, source)).flatten()
 }
 
 /// Whether a source is a document of SIMATIC SD.

@@ -121,7 +121,11 @@ fn comments_in_several_languages_stay() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     fs::write(folder.join("a.xml"), DOCUMENT).expect("the folder can be written");
-    let found = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    let made = plcc(folder, &["convert", "a.xml", "--to", "scl"]);
+    let found = text(&made.stdout);
+    let said = text(&made.stderr);
+    let title = "texts in other languages are not in the new file, such as this one in `en-US`";
+    assert!(said.contains(title) && said.contains("2 texts have several languages"), "{said}");
     let wanted = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    n : Int;                    // Zahl\nEND_VAR\nBEGIN\n    // Anfang\n    \
                   #n := 5;\nEND_FUNCTION\n";
     assert_eq!(found, wanted);
