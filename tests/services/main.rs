@@ -67,6 +67,7 @@ fn main() {
         trial("controller_and_plant_play_together", None, tank::plays_together),
         trial("metrics_tell_the_state", None, metrics),
         trial("the_page_lists_clients_of_opc_ua", None, listed_clients),
+        trial("the_page_says_which_cycles_it_counts", None, counted_cycles),
         trial("services_are_only_where_they_are_asked_for", None, only_where_asked_for),
         trial("recorded_timers_and_interrupts_are_repeated", None, record::timers_and_interrupts),
         trial("recorded_writes_of_clients_are_repeated", None, record::client_writes),
@@ -274,6 +275,21 @@ fn listed_clients() -> Result<(), Failed> {
         }
     }
     plc.end()?;
+    Ok(())
+}
+
+/// The page says from which cycle on it knows how long cycles take.
+fn counted_cycles() -> Result<(), Failed> {
+    let (metrics, web) = (free_port().to_string(), free_port());
+    for (flags, is_all) in [(&[][..], false), (&["--metrics", metrics.as_str()][..], true)] {
+        let plc = Plc::run(Program::Plant.path()?, &[&["--web", &web.to_string()], flags].concat())?;
+        let answer = get(web, "/info")?;
+        let first = answer.split_once("\"from\":").and_then(|(_, rest)| rest.split_once(',')?.0.parse::<u64>().ok());
+        if first.map(|first| first == 0) != Some(is_all) {
+            return Err(format!("cycles are counted from {first:?} on: {answer}").into());
+        }
+        plc.end()?;
+    }
     Ok(())
 }
 

@@ -88,8 +88,11 @@ impl Service for Desk {
 
     fn serve(&mut self, cpu: &Cpu, share: Duration) {
         cpu.record();
-        if self.times.is_none() {
-            self.times = self.wanted_times.get().cloned();
+        if self.times.is_none()
+            && let Some(times) = self.wanted_times.get()
+        {
+            times.begin(cpu.cycle_number().saturating_add(1));
+            self.times = Some(Arc::clone(times));
         }
         let mut until = None;
         while let Ok(work) = self.queue.try_recv() {

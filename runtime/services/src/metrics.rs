@@ -55,6 +55,8 @@ pub struct CycleTimes {
     period: Histogram,
     /// From its start to its end, without the pause.
     work: Histogram,
+    /// The first cycle that is counted; 0: all are.
+    first: AtomicU64,
 }
 
 impl CycleTimes {
@@ -62,6 +64,16 @@ impl CycleTimes {
     pub fn parts(&self) -> ([u64; 16], Vec<u64>, Vec<u64>) {
         let counts = |times: &Histogram| times.parts.iter().map(|part| part.load(Ordering::Relaxed)).collect();
         (BOUNDS_US, counts(&self.period), counts(&self.work))
+    }
+
+    /// Cycles are counted from this one on.
+    pub fn begin(&self, cycle: u64) {
+        self.first.store(cycle, Ordering::Relaxed);
+    }
+
+    /// The first cycle that is counted; 0: all are.
+    pub fn first(&self) -> u64 {
+        self.first.load(Ordering::Relaxed)
     }
 
     /// A cycle has ended.

@@ -15,7 +15,7 @@ pub async fn info(link: &Link, services: &[(&'static str, Open)]) -> Option<Valu
     let times = link.time_cycles();
     let mut info = link.ask(of_cpu).await?;
     let (bounds_us, period, work) = times.parts();
-    info["cycles"] = json!({ "bounds_us": bounds_us, "period": period, "work": work });
+    info["cycles"] = json!({ "from": times.first(), "bounds_us": bounds_us, "period": period, "work": work });
     let connections = services.iter().map(|(name, open)| {
         let (now, accepted, refused) = open.counts();
         json!({ "service": name, "now": now, "accepted": accepted, "refused": refused })

@@ -113,11 +113,13 @@ const cpuInfo = {
   },
   draw(it) {
     const { bounds_us: bounds, period, work } = it.cycles;
+    // They are counted since somebody wants to know them.
+    const from = it.cycles.from ? `, from cycle ${it.cycles.from.toLocaleString("en")} on` : "";
     $("cpu-info").replaceChildren(
       this.table("CPU", [["CPU", it.cpu], ["order number", it.order], ["program", it.program],
         ["cycle monitoring", it.cycle_limit_ms === null ? "off" : `${it.cycle_limit_ms} ms`], ["faults so far", it.faults]].filter(([, value]) => value !== "")),
-      this.times("Work of a cycle", bounds, work),
-      this.times("From cycle to cycle", bounds, period),
+      this.times(`Work of a cycle${from}`, bounds, work),
+      this.times(`From cycle to cycle${from}`, bounds, period),
       this.table("Memory in bytes", Object.entries(it.memory)),
       this.table("Blocks", Object.entries(it.blocks)),
       this.table("Organization blocks", it.obs.map((ob) => [`OB ${ob.ob} ${ob.name}`, (ob.class ?? "").replace(/\B[A-Z]/g, (c) => ` ${c}`).toLowerCase(),
