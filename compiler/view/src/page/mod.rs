@@ -52,7 +52,7 @@ fn html(title: &str, style: &str, body: &str, script: &str) -> String {
 
 /// JSON that no browser takes for the end of the script.
 fn safe(data: &Value) -> String {
-    data.to_string().replace("</", "<\\/").replace("<!--", "<\\!--")
+    data.to_string().replace("</", "<\\/").replace("<!--", "\\u003c!--")
 }
 
 fn signals(trace: &Trace) -> Value {
@@ -106,4 +106,17 @@ fn section(section: &Section, is_live: bool) -> Value {
         value["code"] = json!({ "text": code.lines.join("\n"), "starts": code.starts });
     }
     value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_of_a_program_do_not_end_its_script() {
+        let data = json!({ "comment": "<!-- <script> a </script> --> <\\/ \\u003c" });
+        let text = safe(&data);
+        assert!(!text.contains("</") && !text.contains("<!--"), "{text}");
+        assert_eq!(serde_json::from_str::<Value>(&text).ok(), Some(data), "{text}");
+    }
 }
