@@ -52,6 +52,7 @@ async function look(tab) {
   // A chart: the active step, its time, and the condition that it waits for.
   await open(tab, "FB2");
   await until(tab, "the active step", `${page}.querySelectorAll("rect.act").length === 1`);
+  await until(tab, "its name, by which the CPU tells its state", `${frame}.nameOf(${page}.querySelector("rect.act")) === "Filling"`);
   await until(tab, "its time", `/^Filling\\d+\\.\\d s/.test(${page}.querySelector(".steps tr:nth-child(2)")?.textContent ?? "")`);
   await until(tab, "what is forced", `[...${page}.querySelectorAll("text.forced")].map((text) => text.textContent).join() === "I0.7"`);
   await until(tab, "the condition", `${page}.querySelectorAll("path.w.off").length > 0`);

@@ -529,8 +529,15 @@ function look(d) {
   }
   lightSteps(d);
 }
+// The name of a step: the last of the texts that are drawn after its box and stand in it.
+function nameOf(box) {
+  const end = +box.getAttribute("y") + +box.getAttribute("height");
+  let name = "";
+  for (let el = box.nextElementSibling; el?.matches("rect.s,text.t") && +el.getAttribute("y") < end; el = el.nextElementSibling) if (el.tagName === "text") name = el.textContent;
+  return name;
+}
 function lightSteps(d) {
-  d.steps ??= [...d.querySelectorAll("rect[data-s]")].map((el) => ({ el, key: el.dataset.s, name: fold(el.dataset.s.replace(/^.*#/, "#").replace(/\.X$/i, "")) }));
+  d.steps ??= [...d.querySelectorAll("rect[data-s]")].map((el) => ({ el, key: el.dataset.s, name: fold(nameOf(el)) }));
   for (const r of d.steps) {
     const step = status.steps.find((it) => fold(it.step) === r.name);
     const on = step ? step.active : bit(shown?.get(r.key)) === true;
