@@ -12,6 +12,7 @@
 
 mod expression;
 mod keyword;
+mod names;
 mod row;
 
 use plcc_diag::{Code, Diagnostic, FileId};
@@ -26,13 +27,15 @@ use plcc_syntax::front::{Classified, Cursor, frame_words};
 
 /// Classifies the tokens of a chart: the whole block except its head and declarations.
 pub fn classify<'a>(file: FileId, text: &'a str, raw: &[RawToken]) -> Classified<Tok<'a>> {
-    let mut classifier = Classifier { cursor: Cursor::new(file, text, raw, &[]) };
+    let mut classifier = Classifier { cursor: Cursor::new(file, text, raw, &[]), spaced: Vec::new() };
     classifier.chart();
     classifier.cursor.finish()
 }
 
 struct Classifier<'a, 'r> {
     cursor: Cursor<'a, 'r, RawKind, (), Tok<'a>>,
+    /// Names of steps that are written with blanks.
+    spaced: Vec<&'a str>,
 }
 
 plcc_syntax::moves_cursor!(Classifier, RawKind, (), Tok);
@@ -240,7 +243,7 @@ impl<'a> Classifier<'a, '_> {
     /// Name, number and colon.
     fn head(&mut self, opening: RawToken, what: &str) {
         match self.peek() {
-            Some(token) if is_name(token.kind) && !self.begins_part(self.at) => self.step_name(token),
+            Some(token) if is_name(token.kind) && !self.begins_part(self.at) => self.defined_name(token, what),
             _ => {
                 let word = self.slice(opening);
                 self.report(
@@ -300,11 +303,17 @@ impl<'a> Classifier<'a, '_> {
     fn section(&mut self, tok: Tok<'a>, end: Keyword) {
         let opening = self.raw[self.at];
         self.take(tok);
+        let mut has_condition = false;
         while let Some(token) = self.peek() {
             match self.keyword_at(self.at) {
                 _ if matches!(token.kind, RawKind::Semicolon | RawKind::Pragma) => self.at += 1,
-                Some(Keyword::Condition) => self.condition(),
+                Some(Keyword::Condition) => {
+                    self.condition();
+                    has_condition = true;
+                }
                 Some(_) => break,
+                // An action of the step follows.
+                None if has_condition && token.first_on_line => break,
                 None => {
                     let word = self.slice(opening);
                     self.report(
@@ -362,7 +371,9 @@ impl<'a> Classifier<'a, '_> {
         }
         let first = self.at;
         let end = (first..self.raw.len()).find(|index| {
-            matches!(self.raw[*index].kind, RawKind::Semicolon | RawKind::Pragma) || self.keyword_at(*index).is_some()
+            matches!(self.raw[*index].kind, RawKind::Semicolon | RawKind::Pragma)
+                || self.keyword_at(*index).is_some()
+                || *index > first && self.begins_action(*index)
         });
         self.expression(end.unwrap_or(self.raw.len()), expression::Place::Condition);
         self.push_here(Tok::RowEnd);
@@ -408,7 +419,7 @@ impl<'a> Classifier<'a, '_> {
                         break;
                     }
                     named = true;
-                    self.step_name(token);
+                    self.used_name(token);
                 }
                 _ => self.take(Tok::Bad),
             }

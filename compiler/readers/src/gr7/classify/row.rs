@@ -141,6 +141,16 @@ impl<'a> Classifier<'a, '_> {
         matches!(self.raw[index].kind, RawKind::Semicolon | RawKind::Pragma) || self.keyword_at(index).is_some()
     }
 
+    /// Whether the line at `index` is an action of its own: it continues nothing and ends in a qualifier.
+    pub(super) fn begins_action(&self, index: usize) -> bool {
+        let follows = index.checked_sub(1).is_some_and(|before| self.joins(before));
+        let mut line = (index + 1..self.raw.len()).take_while(|next| !self.raw[*next].first_on_line);
+        self.raw[index].first_on_line
+            && !follows
+            && !self.continues(index)
+            && line.any(|next| self.qualifier_at(next, false).is_some())
+    }
+
     /// Whether a line at `index` continues the row of the previous line.
     fn continues(&self, index: usize) -> bool {
         self.joins(index) || self.kind_at(index) == Some(RawKind::LeftParen)
