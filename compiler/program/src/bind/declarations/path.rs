@@ -404,8 +404,12 @@ impl Declarations<'_> {
             (None, Some(other)) => message.help(format!("is `{other}` meant?")),
             (None, None) => {
                 const NAMES_MAX: usize = 12;
-                let names = structure.members.iter().map(|member| member.name.as_str());
-                let all: Vec<&str> = names.take(NAMES_MAX).collect();
+                let names = || structure.members.iter().map(|member| member.name.as_str());
+                // Of a step of GRAPH the members that programs read.
+                let of_step = ["X", "T", "U"];
+                let first = if of_step.iter().all(has) { of_step.as_slice() } else { &[] };
+                let others = names().filter(|name| !first.contains(name));
+                let all: Vec<&str> = first.iter().copied().chain(others).take(NAMES_MAX).collect();
                 let more = if structure.members.len() > NAMES_MAX { " and more" } else { "" };
                 match all.is_empty() {
                     true => message.help("it has no components"),
