@@ -6,7 +6,7 @@ use super::pins::Pins;
 use super::settings::{self, Settings};
 use super::{Builder, Carried, Flow};
 use crate::sd::pragma::Attribute;
-use crate::sd::tree::Node;
+use crate::sd::tree::{Argument, Node, Pin as Given};
 use plcc_syntax::Elementary;
 use plcc_syntax::network::absent;
 use plcc_syntax::network::ast::{Comparison, Element, Eno, Language, Pin, Storage, Target};
@@ -26,7 +26,7 @@ enum Meaning {
 }
 
 /// Names of elements in other editors, and what SIMATIC SD calls them.
-const FOREIGN: [(&str, &str); 44] = [
+const FOREIGN: [(&str, &str); 52] = [
     ("Jump", "JumpCoil"),
     ("JMP", "JumpCoil"),
     ("JumpNot", "I_JumpCoil"),
@@ -51,12 +51,20 @@ const FOREIGN: [(&str, &str); 44] = [
     ("LES", "Lt"),
     ("GEQ", "Ge"),
     ("LEQ", "Le"),
+    ("CmpEQ", "EQ_Contact` in LAD, in FBD `Eq"),
+    ("CmpNE", "NE_Contact` in LAD, in FBD `Ne"),
+    ("CmpGT", "GT_Contact` in LAD, in FBD `Gt"),
+    ("CmpLT", "LT_Contact` in LAD, in FBD `Lt"),
+    ("CmpGE", "GE_Contact` in LAD, in FBD `Ge"),
+    ("CmpLE", "LE_Contact` in LAD, in FBD `Le"),
     ("ONS", "P_Contact"),
     ("Output", "Coil"),
     ("Set", "S_Coil"),
     ("Reset", "R_Coil"),
     ("SetCoil", "S_Coil"),
     ("ResetCoil", "R_Coil"),
+    ("Latch", "S_Coil"),
+    ("Unlatch", "R_Coil"),
     ("Assign", "Coil"),
     ("NOContact", "Contact"),
     ("NO_Contact", "Contact"),
@@ -100,6 +108,12 @@ impl Builder<'_, '_> {
                 let cases = self.cases(&settings, &pins);
                 let element = self.add(Target::Element { row, instance }, settings, eno, pins, cases, node.target);
                 carried.flow = if ended { Flow::Ended(node.target) } else { Flow::Element(element) };
+            }
+            Meaning::Block if let Some(own) = self.foreign(&node) => {
+                let title = format!("`{}` is not an element of LAD or FBD", self.slice(node.target));
+                let message = Diagnostic::new(Code::UnknownElement, node.target, title);
+                self.report(message.label("not in the table of elements").help(format!("write `{own}`")));
+                *carried = before;
             }
             Meaning::Block => {
                 let settings = self.settings(&attributes, inline);
@@ -162,6 +176,14 @@ impl Builder<'_, '_> {
         } else {
             Meaning::Unknown
         }
+    }
+
+    /// `S_Coil` for `Set( "Motor" )`: an element of another editor with the name of a library block, whose pins would have names.
+    fn foreign(&self, node: &Node) -> Option<&'static str> {
+        let name = self.slice(node.target);
+        let is_unnamed = |argument: &Argument| argument.pin == Given::Unnamed && argument.value.is_some();
+        let (_, own) = FOREIGN.iter().find(|(other, _)| other.eq_ignore_ascii_case(name))?;
+        (!node.arguments.is_empty() && node.arguments.iter().all(is_unnamed)).then_some(*own)
     }
 
     fn report_unknown(&mut self, target: Span) {
