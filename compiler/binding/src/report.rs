@@ -133,6 +133,9 @@ impl Report {
             if let Some(value) = foreign_value(name).filter(|_| !quoted) {
                 return message.help(format!("write {value}"));
             }
+            if let Some(help) = register_of_stl(name).filter(|_| !quoted && meant.is_none()) {
+                return message.help(help);
+            }
             if is_duration(name) {
                 return message.help(format!("a time is written `T#{name}`, without quotes"));
             }
@@ -483,6 +486,19 @@ fn foreign_value(name: &str) -> Option<&'static str> {
         "on" | "yes" => "`TRUE`",
         "off" | "no" => "`FALSE`",
         "none" | "nil" | "nullptr" => "NULL for a reference, FALSE for a BOOL, 0 for a number",
+        _ => return None,
+    })
+}
+
+/// Registers of the CPU by a name that operands of STL do not have.
+fn register_of_stl(name: &str) -> Option<&'static str> {
+    Some(match name.to_ascii_uppercase().as_str() {
+        "BIE" => "the binary result is `BR` in international mnemonics",
+        "BR" => "the binary result is `BIE` in German mnemonics",
+        "ACCU1" | "ACCU2" | "AKKU1" | "AKKU2" => {
+            "STL has no names for the accumulators: `L` loads ACCU1 and moves its old value to ACCU2, `T` stores ACCU1"
+        }
+        "RLO" | "VKE" => "STL has no name for the RLO: `=` writes it to a bit, and a jump such as `JC` tests it",
         _ => return None,
     })
 }

@@ -359,6 +359,16 @@ fn constant_range(insn: StlInsn, written: &str, shown: &str, operand: &Operand) 
         OperandClass::Byte if insn == StlInsn::Nop && !(0..=1).contains(&number) => {
             range(Code::LiteralRange, "not 0 or 1", format!("write `{written} 0` or `{written} 1`, which do nothing"))
         }
+        OperandClass::Byte
+            if matches!(insn, StlInsn::Increment | StlInsn::Decrement) && (-255..0).contains(&number) =>
+        {
+            let other = if insn == StlInsn::Increment { "DEC" } else { "INC" };
+            Some(
+                Diagnostic::new(Code::LiteralRange, operand.span, format!("the number of `{written}` has no sign"))
+                    .label("below 0")
+                    .help(format!("write `{other} {}`", -number)),
+            )
+        }
         OperandClass::Byte if !(0..=255).contains(&number) => {
             range(Code::LiteralRange, "not a byte", "write a number from 0 to 255".to_owned())
         }

@@ -52,6 +52,9 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             let double = format!("{}D{}", &letters[..letters.len().checked_sub(1)?], &shown[letters.len()..]);
             Some(format!("an address register has 32 bits: write `{written} {double}`"))
         }
+        (OperandClass::LoadSource, OperandKind::Literal(Literal::DateAndTime(_))) => Some(
+            "a DATE_AND_TIME has 64 bits: pass it to a block as a parameter, or copy it with SFC 20 BLKMOV".to_owned(),
+        ),
         (OperandClass::PointerOrNone, OperandKind::Literal(Literal::Int(number @ 0..=4095))) => {
             let bits = format!("{}.{}", number / 8, number % 8);
             Some(format!("write `{written} P#{number}.0` for bytes, `{written} P#{bits}` for bits"))

@@ -157,11 +157,18 @@ impl Declarations<'_> {
                 self.globals.report.missing_beside_type(&text, path.span);
                 return None;
             }
-            Resolved::Cell { .. } | Resolved::Block { .. } => {
-                self.report(
+            other @ (Resolved::Cell { .. } | Resolved::Block { .. }) => {
+                let is_fb = matches!(other, Resolved::Block { prefix: BlockPrefix::Fb | BlockPrefix::Sfb, .. });
+                let message =
                     Diagnostic::new(Code::UnknownMember, path.span, "only data blocks and structures have components")
-                        .label("this name means something else"),
-                );
+                        .label("this name means something else");
+                let text = self.globals.text(path.span);
+                self.report(match text.split_once('.') {
+                    Some((block, data)) if is_fb => {
+                        message.help(format!("a call names the instance after a comma: `CALL {block}, {data}`"))
+                    }
+                    _ => message,
+                });
                 return None;
             }
         };

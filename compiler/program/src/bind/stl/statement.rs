@@ -216,9 +216,10 @@ impl StlBinder<'_, '_> {
             let other = flow.labels.keys().copied().find(|other| other.eq_ignore_ascii_case(name));
             let other = other.or_else(|| plcc_binding::similar(name, flow.labels.keys().copied()));
             self.program.report(match other {
-                Some(other) => {
+                Some(other) if other.eq_ignore_ascii_case(name) => {
                     message.help(format!("is `{other}` meant? Upper and lower case are different in labels"))
                 }
+                Some(other) => message.help(format!("is `{other}` meant?")),
                 None => message.help(format!("write `{name}:` before the statement to jump to")),
             });
             return None;

@@ -371,9 +371,17 @@ impl<'a> Classifier<'a, '_> {
                     .label("a form of other languages")
                     .help(help)
             }
-            _ => Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not allowed here"))
-                .label("not expected")
-                .help("an operand is an address (`M 10.0`), a name (`#name`, `\"symbol\"`) or a constant"),
+            _ => {
+                let next = self.raw.get(self.at + 1).filter(|next| next.start == token.end);
+                let is_zero = slice == "=" && next.is_some_and(|next| self.slice(*next) == "0");
+                let help = match is_zero {
+                    true => "the status bit for a result of 0 is `==0`",
+                    false => "an operand is an address (`M 10.0`), a name (`#name`, `\"symbol\"`) or a constant",
+                };
+                Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not allowed here"))
+                    .label("not expected")
+                    .help(help)
+            }
         };
         self.report(diagnostic);
         self.skip_stray();
