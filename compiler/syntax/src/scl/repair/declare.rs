@@ -1,4 +1,5 @@
-//! Declarations of other languages: `POINTER TO INT`, `speed AT %MW10 : INT;`, `ARRAY[1..3] OF INT := (1, 2, 3)`.
+//! Declarations of other languages: `POINTER TO INT`, `speed AT %MW10 : INT;`, `ARRAY[1..3] OF INT := (1, 2, 3)`. And `low, high INT;`,
+//! `belt speed : INT;`.
 
 use super::{Edit, Repair};
 use crate::Elementary;
@@ -13,7 +14,70 @@ const LIST_MAX: usize = 300;
 impl Repair<'_> {
     /// A part of a declaration that another language has.
     pub(super) fn foreign_declaration(&mut self, token: RawToken) -> bool {
-        self.pointer_to(token) || self.address_of_variable(token) || self.list_in_parentheses(token)
+        self.pointer_to(token)
+            || self.address_of_variable(token)
+            || self.list_in_parentheses(token)
+            || self.list_without_colon(token)
+            || self.name_with_blank(token)
+    }
+
+    /// `low, high INT;` without `:`.
+    fn list_without_colon(&mut self, token: RawToken) -> bool {
+        let (first, at) = (self.statement, self.at);
+        // Two words in a row are rare in a declaration.
+        let after_word = at >= first + 3 && self.kind(at - 1) == Some(RawKind::Word);
+        let next = self.kind(at + 1);
+        let ends = matches!(next, Some(RawKind::Semicolon | RawKind::Assign | RawKind::Equal | RawKind::LeftBracket));
+        if token.kind != RawKind::Word || !after_word || !ends {
+            return false;
+        }
+        let upper = self.slice(token).to_ascii_uppercase();
+        let is_type = Elementary::from_word(&upper).is_some() || upper == "STRING";
+        let is_list = (first..at).all(|index| {
+            let is_name = (index - first).is_multiple_of(2);
+            self.kind(index) == Some(if is_name { RawKind::Word } else { RawKind::Comma })
+        });
+        if !is_type || !is_list {
+            return false;
+        }
+        let name = self.words(at - 1, at - 1);
+        let title = format!("`:` is missing between `{name}` and its type");
+        let length = self.closing(at + 1).filter(|_| next == Some(RawKind::LeftBracket));
+        let help = format!("write `{} : {};`", self.words(first, at - 1), self.words(at, length.unwrap_or(at)));
+        self.report(at - 1, at + 1, title, "not a declaration of SCL", help);
+        self.declared.insert(name.to_uppercase(), at - 1);
+        let colon = RawToken { kind: RawKind::Colon, end: token.start, first_on_line: false, keyword: None, ..token };
+        self.edits.push(Edit { first: at, after: at + 1, with: vec![colon, token] });
+        self.at = at + 1;
+        self.last = Some(token);
+        true
+    }
+
+    /// `belt speed : INT;`
+    fn name_with_blank(&mut self, token: RawToken) -> bool {
+        const OPTIONS: [&str; 4] = ["RETAIN", "NON_RETAIN", "CONSTANT", "PERSISTENT"];
+        let at = self.at;
+        let is_name = |token: RawToken| token.kind == RawKind::Word && token.keyword.is_none();
+        let Some(next) = self.beside(at + 1).filter(|next| is_name(*next)) else { return false };
+        let (first, second) = (self.slice(token), self.slice(next));
+        if !is_name(token)
+            || !token.first_on_line
+            || at != self.statement
+            || self.kind(at + 2) != Some(RawKind::Colon)
+            || OPTIONS.iter().any(|option| option.eq_ignore_ascii_case(first))
+            || Elementary::from_word(&first.to_ascii_uppercase()).is_some()
+        {
+            return false;
+        }
+        let title = format!("`{first} {second}` is not a name");
+        let help = format!("a name has no blanks: write `{first}_{second}`");
+        self.report(at, at + 2, title, "two words", help);
+        let whole = RawToken { end: next.end, ..token };
+        self.declared.insert(self.slice(whole).to_uppercase(), at);
+        self.edits.push(Edit { first: at, after: at + 2, with: vec![whole] });
+        self.at = at + 2;
+        self.last = Some(whole);
+        true
     }
 
     /// `p : POINTER TO INT;`
