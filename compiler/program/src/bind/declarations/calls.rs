@@ -65,6 +65,27 @@ impl InstancePointers {
     }
 }
 
+/// Inputs and outputs of timers, counters and edges in other systems, and what they are called here.
+const PARAMETER_WORDS: [(&str, &str); 17] = [
+    ("RESET", "R"),
+    ("LOAD", "LD"),
+    ("PRESET", "PV"),
+    ("PRESET", "PT"),
+    ("PV", "PT"),
+    ("TIME", "PT"),
+    ("TV", "PT"),
+    ("START", "IN"),
+    ("ENABLE", "IN"),
+    ("CLOCK", "CLK"),
+    ("IN", "CLK"),
+    ("OUT", "Q"),
+    ("DONE", "Q"),
+    ("ELAPSED", "ET"),
+    ("COUNT", "CV"),
+    ("UP", "CU"),
+    ("DOWN", "CD"),
+];
+
 impl Declarations<'_> {
     /// Checks that a data block is an instance of a function block.
     pub fn check_instance_db(&mut self, key: BlockKey, number: u16, span: Span) -> Option<()> {
@@ -109,7 +130,12 @@ impl Declarations<'_> {
         let is_static = bound.locals.contains_key(&fold(name)) && is_own(&name);
         // Those that the call supplies are not meant.
         let is_free = |name: &&str| !supplied.iter().any(|other| other.eq_ignore_ascii_case(name));
-        let meant = similar(name, names().filter(is_free)).filter(|_| !is_static);
+        let is_word = |own: &&str| {
+            let known = |(word, wanted): &(&str, &str)| word.eq_ignore_ascii_case(name) && wanted == own;
+            PARAMETER_WORDS.iter().any(known) && self.globals.in_library(key)
+        };
+        let meant = similar(name, names().filter(is_free)).or_else(|| names().filter(is_free).find(is_word));
+        let meant = meant.filter(|_| !is_static);
         self.report(match meant {
             _ if is_static => message.help("it is static or temporary data of the block, which a call cannot supply"),
             Some(other) => message.help(format!("is `{other}` meant?")),
