@@ -6,6 +6,9 @@ use super::{Repair, ends_operand};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
+/// A statement that is longer than this is not shown in a help.
+const STATEMENT_MAX: usize = 60;
+
 /// More values of a list than this are not written out in a message.
 const VALUES_MAX: usize = 4;
 
@@ -156,6 +159,28 @@ impl Repair<'_> {
             found.push((begin, after - 1));
         }
         found
+    }
+
+    /// `a := 1,` and `f(x),` at the end of a line.
+    pub(super) fn comma_at_end(&mut self) -> bool {
+        let (first, at) = (self.statement, self.at);
+        let outside = self.brackets.is_empty() && self.head.is_none() && first < at;
+        let is_called = self.last.is_some_and(|last| last.kind == RawKind::RightParen);
+        if !outside
+            || self.beside(at + 1).is_some()
+            || !(is_called || self.is_assigned())
+            || !self.last.is_some_and(ends_operand)
+        {
+            return false;
+        }
+        let statement = self.words(first, at - 1);
+        let help = match statement.len() <= STATEMENT_MAX && !statement.contains('\n') {
+            true => format!("write `{statement};`"),
+            false => "write `;`".to_owned(),
+        };
+        self.report(at, at + 1, "a statement ends with `;`".to_owned(), "read as `;`", help);
+        self.replace(at, at + 1, RawKind::Semicolon, None);
+        true
     }
 
     /// `a, b := 1;`, `a, b := c, d;`
