@@ -26,8 +26,10 @@ impl SclBinder<'_, '_> {
         span: Span,
         bound: &mut Vec<Statement>,
     ) {
-        let texts = targets.iter().any(|(target, _)| Self::is_local_text(ctx, target));
-        if texts && self.is_text_in_name_quotes(ctx, value) {
+        if self.is_undefined_in_quotes(ctx, value)
+            && targets.iter().any(|(target, _)| self.is_text_operand(ctx, target))
+            && self.is_text_in_name_quotes(ctx, value)
+        {
             return;
         }
         let special = self.reference_for_target(ctx, targets, value, span);

@@ -6,10 +6,11 @@ use plcc_model::scl::Complex;
 use plcc_model::types::{DataType, ParameterType, StructType};
 use plcc_model::{Number, layout};
 use plcc_syntax::ast::BlockPrefix;
-use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, NameForm};
+use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, NameForm};
 use plcc_syntax::{Class, Elementary};
 
 use super::place::Spot;
+use super::text::is_narrow_text;
 use super::value::Value;
 use super::{Rules, constant, message};
 use crate::bind::scl::{SclBinder, SclBlock};
@@ -30,41 +31,35 @@ impl SclBinder<'_, '_> {
         self.complex_value(ctx, value, ty)
     }
 
-    /// Whether the node is the name of a local STRING.
-    pub(super) fn is_local_text(ctx: &SclBlock, node: &Node) -> bool {
-        let NodeKind::Name(name) = &node.kind else { return false };
-        let local = ctx.block.bound.locals.get(&plcc_binding::fold(&name.text));
-        local.is_some_and(|local| matches!(local.ty, DataType::String(_)))
-    }
-
-    /// Whether the node is a text, or the name of a local STRING.
-    pub(super) fn is_text_node(ctx: &SclBlock, node: &Node) -> bool {
-        matches!(node.kind, NodeKind::Literal(Literal::Text { .. })) || Self::is_local_text(ctx, node)
-    }
-
     /// Reports `"hello"` where a text is expected, if nothing has that name.
     pub(super) fn is_text_in_name_quotes(&mut self, ctx: &SclBlock, node: &Node) -> bool {
         let NodeKind::Name(name) = &node.kind else { return false };
-        let folded = plcc_binding::fold(&name.text);
-        if name.form != NameForm::Quoted
-            || self.program.globals.input.partial
-            || ctx.block.bound.locals.contains_key(&folded)
-            || self.program.globals.names.symbols.contains_key(&folded)
-            || self.program.globals.names.constants.contains_key(&folded)
-            || ctx
-                .block
-                .bound
-                .interface
-                .parameters
-                .iter()
-                .any(|parameter| plcc_binding::fold(&parameter.name) == folded)
-        {
+        if !self.is_undefined_in_quotes(ctx, node) {
             return false;
         }
         let title = format!("`\"{}\"` is an undefined name, not a text", name.text);
         let help = format!("a text is written in single quotes: `'{}'`", name.text);
         self.refuse(Code::UnknownSymbol, name.span, &title, "neither a symbol nor a variable", &help);
         true
+    }
+
+    /// Whether the node is a name in quotes that nothing has.
+    pub(super) fn is_undefined_in_quotes(&self, ctx: &SclBlock, node: &Node) -> bool {
+        let NodeKind::Name(name) = &node.kind else { return false };
+        let folded = plcc_binding::fold(&name.text);
+        let names = &self.program.globals.names;
+        let mut parameters = ctx.block.bound.interface.parameters.iter();
+        name.form == NameForm::Quoted
+            && !self.program.globals.input.partial
+            && !ctx.block.bound.locals.contains_key(&folded)
+            && !names.symbols.contains_key(&folded)
+            && !names.constants.contains_key(&folded)
+            && !parameters.any(|parameter| plcc_binding::fold(&parameter.name) == folded)
+    }
+
+    /// Whether the node is a text or a STRING; mistakes in it are not reported.
+    pub(super) fn is_text_operand(&mut self, ctx: &mut SclBlock, node: &Node) -> bool {
+        self.quiet_value(ctx, node).as_ref().is_some_and(is_narrow_text)
     }
 
     /// Converts a bound value to the complex type `ty`; reports a value that cannot have it.

@@ -6,6 +6,7 @@ use plcc_syntax::{Class, Elementary};
 
 use super::compare::{comparison, is_any_text};
 use super::numeric::{self, Shape};
+use super::text::is_narrow_text;
 use super::value::Value;
 use super::{Intent, Rules, message};
 use crate::bind::scl::message::DEPTH_MAX;
@@ -133,7 +134,10 @@ impl SclBinder<'_, '_> {
             }
             // `"text" + 'a'`
             (_, Some((NodeKind::Binary { op, right, .. }, _)))
-                if joins_texts(*op) && Self::is_text_node(ctx, right) && self.is_text_in_name_quotes(ctx, first) =>
+                if joins_texts(*op)
+                    && self.is_undefined_in_quotes(ctx, first)
+                    && self.is_text_operand(ctx, right)
+                    && self.is_text_in_name_quotes(ctx, first) =>
             {
                 None
             }
@@ -157,7 +161,8 @@ impl SclBinder<'_, '_> {
                 continue;
             }
             // `text = "START"`.
-            if joins_texts(*op) && Self::is_text_node(ctx, left) && self.is_text_in_name_quotes(ctx, right) {
+            if joins_texts(*op) && value.as_ref().is_some_and(is_narrow_text) && self.is_text_in_name_quotes(ctx, right)
+            {
                 value = None;
                 continue;
             }

@@ -57,6 +57,12 @@ pub fn short(word: &str) -> &str {
     }
 }
 
+/// True of a STRING and of a text constant for one.
+pub fn is_narrow_text(value: &Value) -> bool {
+    let is_string = matches!(value, Value::Complex { ty: DataType::String(_), .. });
+    is_string || matches!(value, Value::Constant(Constant::Text { .. }, _))
+}
+
 /// The type of the value in the name of a conversion: `TO_STRING`.
 pub const ANY_TYPE: &str = "*";
 
@@ -376,7 +382,11 @@ impl SclBinder<'_, '_> {
             );
             return None;
         }
-        let values: Vec<Option<Value>> = nodes.iter().map(|node| self.value(ctx, node)).collect();
+        let part = |node: &Node| match self.is_text_in_name_quotes(ctx, node) {
+            true => None,
+            false => self.value(ctx, node),
+        };
+        let values: Vec<Option<Value>> = nodes.into_iter().map(part).collect();
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
         let is_wide = values.iter().any(|value| match value {
             Value::Elementary(expr) => expr.ty == Elementary::Wchar,
