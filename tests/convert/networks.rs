@@ -34,7 +34,8 @@ fn as_stl(text: &str, others: &[SourceUnit], tables: &[SymbolTable], keeps_br: b
     let text = text.as_str();
     let (unit, _) = plcc_readers::parse(FileId::default(), text, &ReadOptions::default());
     let types = Types::new(std::iter::once(&unit).chain(others), tables);
-    let types = types.with_instructions(plcc_program::instruction_pins);
+    let is_portal = text.contains("//@ cpu s7-1500");
+    let types = types.with_instructions(plcc_program::instruction_pins).for_portal(is_portal);
     let mut made = SourceUnit { blocks: Vec::new(), ..unit.clone() };
     let mut spans = Vec::new();
     let mut symbols = String::new();
@@ -183,9 +184,10 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 8] = [
+    const FILES: [&str; 9] = [
         "addresses_take_the_type",
         "boxes/called_by_name",
+        "boxes/rounding_out_of_range",
         "comparisons_by_type",
         "counters",
         "ranges",

@@ -197,6 +197,8 @@ impl Maker<'_> {
                     _ => None,
                 }
             }
+            // Out of range, RND leaves another number than the box of an S7-1500.
+            Kind::Round(_) if self.types.is_portal => None,
             Kind::Round(name) => {
                 let from =
                     element.template(TemplateKey::Source).map_or(Real, |one| elementary(&one.value).unwrap_or(Real));

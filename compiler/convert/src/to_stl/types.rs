@@ -29,6 +29,8 @@ pub struct Types<'a> {
     blocks: HashMap<String, &'a CodeBlock>,
     /// Instructions that STL calls by name.
     instructions: Option<FindInstruction>,
+    /// The program is one for an S7-1200 or S7-1500.
+    pub(super) is_portal: bool,
 }
 
 impl<'a> Types<'a> {
@@ -78,6 +80,11 @@ impl<'a> Types<'a> {
     /// With instructions that STL calls by name.
     pub fn with_instructions(self, find: FindInstruction) -> Types<'a> {
         Types { instructions: Some(find), ..self }
+    }
+
+    /// For an S7-1200 or S7-1500, or for another CPU.
+    pub fn for_portal(self, is_portal: bool) -> Types<'a> {
+        Types { is_portal, ..self }
     }
 
     /// The parameters of a call of an instruction that supplies those with the names `given`; none: STL calls no such instruction, or a

@@ -109,7 +109,6 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     };
     if messages.is_empty() {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
-        let types = types.with_instructions(plcc_program::instruction_pins);
         let mut library = xml::Library::with_symbols(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         if to == ConvertTo::Xml {
             library.add_system(plcc_program::system_members);
@@ -117,7 +116,10 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
         let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str())).or(told);
         let profile = cpu.and_then(profile::lookup);
-        let keeps_br = profile.is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
+        let keeps_br = profile.as_ref().is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
+        let family =
+            profile.map_or_else(|| plcc_program::implied_profile(&parsed.units).family, |profile| profile.family);
+        let types = types.with_instructions(plcc_program::instruction_pins).for_portal(family.is_portal());
         for (id, unit) in &parsed.units {
             let source = parsed.sources.file(*id);
             if companions::is_made(&source.name) {
