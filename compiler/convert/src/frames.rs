@@ -232,10 +232,11 @@ impl Writer<'_> {
             let written = self.attributes_before(constant.name_span.start);
             let attributes = if written.is_empty() { String::new() } else { in_braces(&written) + " " };
             let name = attributes + &self.declared(&constant.name, constant.name_span);
-            let value = match (&constant.value, &constant.initial) {
-                (Some(value), _) => expression::text(value, self),
-                (None, Some(value)) => self.initial(value),
-                (None, None) => String::new(),
+            let value = match (&constant.value, &constant.initial, &constant.ty) {
+                (Some(value), ..) => expression::text(value, self),
+                (None, Some(value), Some(ty)) => self.initial_of(value, ty),
+                (None, Some(value), None) => self.initial(value),
+                (None, None, _) => String::new(),
             };
             let sign = if value.is_empty() { "" } else { " := " };
             let ty = constant.ty.as_ref().map_or(String::new(), |ty| format!(" : {}", self.type_text(ty)));

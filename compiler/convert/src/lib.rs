@@ -13,7 +13,7 @@
 //! - [`addresses`]: symbols as addresses and back.
 //! - [`migration`]: which parts of a program another CPU has.
 //! - [`literal`]: constants as text.
-//! - [`own_types`]: types that a program declares itself.
+//! - [`own_types`]: types that a program declares itself; [`element_values`]: start values of elements in them.
 //! - [`trivia`]: comments, which trees do not hold.
 //!
 //! If a notation cannot express something, a message names it; nothing is left out silently.
@@ -23,6 +23,7 @@
 
 pub mod addresses;
 pub mod awl;
+pub mod element_values;
 mod frames;
 pub mod from_scl;
 pub mod gr7;

@@ -248,6 +248,7 @@ fn places<'v>(
 fn default_text(ty: &TypeRef, is_stl: bool) -> Option<&'static str> {
     match &ty.kind {
         TypeKind::String(_) => Some("''"),
+        TypeKind::WideString(_) if !is_stl => Some("WSTRING#''"),
         TypeKind::Named(word) => match elementary(word)? {
             Elementary::Bool => Some("FALSE"),
             Elementary::Byte if is_stl => Some("B#16#0"),

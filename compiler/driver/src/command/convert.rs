@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use plcc_abi::image::Family;
 use plcc_convert::addresses::To;
+use plcc_convert::element_values::Components;
 use plcc_convert::own_types::OwnTypes;
 use plcc_convert::scl::Others;
 use plcc_convert::to_stl::{self, types::Types};
@@ -93,9 +94,13 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     // What only warns about the source stays as it is.
     messages.retain(Diagnostic::is_error);
     let own_types = OwnTypes::new(parsed.units.iter().map(|(_, unit)| unit));
+    let components = Components::new(parsed.units.iter().map(|(_, unit)| unit));
     for (id, unit) in &mut parsed.units {
         if has_quoted_types(to, unit, parsed.sources.file(*id)) {
             own_types.settle(unit);
+        }
+        if matches!(to, ConvertTo::Scl | ConvertTo::Sd | ConvertTo::Lad | ConvertTo::Fbd) && unit.overlay.is_some() {
+            components.list_elements(unit);
         }
     }
     let mut files = Vec::new();

@@ -309,6 +309,26 @@ fn values_of_instances_come_back() {
     assert_eq!(text(&back.stdout), source, "{}", text(&back.stderr));
 }
 
+/// Values of elements of constants and of structures come back as lists, with the data types in other sources.
+#[test]
+fn lists_of_declarations_come_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::create_dir(folder.join("a")).expect("the folder can be made");
+    let row = "TYPE \"Row\"\nVERSION : 0.1\nSTRUCT\n    n : Int;\n    names : Array[1..2] of String[4];\nEND_STRUCT;\nEND_TYPE\n";
+    let block = "FUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    row : \"Row\" := (n := 3, names := ['a', 'b']);\nEND_VAR\n\
+                 VAR CONSTANT\n    DAYS : Array[1..3] of Int := [31, 28, 31];\nEND_VAR\nBEGIN\n    #row.n := #DAYS[1];\n\
+                 END_FUNCTION_BLOCK\n";
+    fs::write(folder.join("a/row.scl"), row).expect("the folder can be written");
+    fs::write(folder.join("a/block.scl"), block).expect("the folder can be written");
+    for (from, to) in [("a", "xml"), ("xml", "scl")] {
+        let made = plcc(folder, &["convert", from, "--to", to, "-o", &format!("{to}/"), "--cpu", "s7-1500"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    }
+    let read = |name: &str| fs::read_to_string(folder.join("scl").join(name)).expect("it is written");
+    assert_eq!((read("row.scl").as_str(), read("block.scl").as_str()), (row, block));
+}
+
 /// The TIA Portal writes the data of timers and counters with their components: in XML they are instances.
 #[test]
 fn data_of_instructions_become_instances() {
