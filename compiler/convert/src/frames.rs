@@ -137,6 +137,7 @@ impl Writer<'_> {
             "S7_Version" if self.notation == Notation::Stl => None,
             "S7_PreferredLanguage" if matches!(self.notation, Notation::Stl | Notation::Scl) => None,
             "S7_Optimized" => Some(attribute("S7_Optimized_Access", value)),
+            "SecondaryType" => Some(attribute("S7_EventClass", value)),
             key => Some(attribute(key, value)),
         });
         let mut list: Vec<String> = attributes.collect();

@@ -166,7 +166,11 @@ impl<'a> Writer<'a> {
             list.push(format!("S7_BlockNumber := \"{number}\""));
         }
         for (key, value) in header.attributes.iter().filter(|(key, _)| !is_there(key)) {
-            let key = if key.eq_ignore_ascii_case("S7_Optimized_Access") { "S7_Optimized" } else { key };
+            let key = match key.as_str() {
+                key if key.eq_ignore_ascii_case("S7_Optimized_Access") => "S7_Optimized",
+                "SecondaryType" => "S7_EventClass",
+                key => key,
+            };
             list.push(format!("{key} := \"{value}\""));
         }
         let words = [

@@ -329,6 +329,21 @@ fn lists_of_declarations_come_back() {
     assert_eq!((read("row.scl").as_str(), read("block.scl").as_str()), (row, block));
 }
 
+/// What starts an organization block has another name in XML.
+#[test]
+fn classes_of_organization_blocks_come_back() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "ORGANIZATION_BLOCK \"Begin\"\n{ S7_EventClass := 'Startup' }\nVERSION : 0.1\nBEGIN\n    %MW0 := 1;\n\
+                  END_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
+    assert_eq!(text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout), source);
+    let document = text(&plcc(folder, &["convert", "a.xml", "--to", "sd"]).stdout);
+    assert!(document.starts_with("{ S7_EventClass := \"Startup\"; S7_Version := \"0.1\" }\n"), "{document}");
+}
+
 /// The TIA Portal writes the data of timers and counters with their components: in XML they are instances.
 #[test]
 fn data_of_instructions_become_instances() {
