@@ -364,7 +364,7 @@ fn written(
         Some(kind @ (XmlKind::SimaticMl(_) | XmlKind::PlcOpen)) => {
             let mut blocks = whole_blocks(made, source.len() as u32);
             // Their comments are met in the order of the text.
-            if matches!(kind, XmlKind::PlcOpen) && matches!(to, ConvertTo::Xml | ConvertTo::Sd) {
+            if matches!(kind, XmlKind::PlcOpen) && matches!(to, ConvertTo::Xml | ConvertTo::Sd | ConvertTo::Gr7) {
                 blocks.blocks.sort_by_key(|block| block.span().start);
             }
             whole = blocks;
@@ -373,7 +373,7 @@ fn written(
         _ => made,
     };
     let mut remarks = match &unit.overlay {
-        Some(text) if matches!(to, ConvertTo::Xml | ConvertTo::Sd) && plcopen::is_project(source) => {
+        Some(text) if matches!(to, ConvertTo::Xml | ConvertTo::Sd | ConvertTo::Gr7) && plcopen::is_project(source) => {
             Some(Remarks { text: text.clone(), comments: plcopen::comments(source, text) })
         }
         _ => remarks(unit, source),

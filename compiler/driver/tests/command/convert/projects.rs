@@ -35,6 +35,24 @@ fn instruction_lists_of_projects_become_xml() {
     assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
 }
 
+/// Comments in the ST of charts stay when these become GRAPH.
+#[test]
+fn comments_of_charts_of_projects_stay() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/two-doses/project.xml");
+    let source = fs::read_to_string(project).expect("a test file");
+    let changed = source.replace("ValveB := DoseB.X;", "(* open it *)\nValveB := DoseB.X; // while dosing\n");
+    assert_ne!(changed, source);
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.xml"), changed).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.xml", "--to", "gr7", "-o", "made/"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let chart = fs::read_to_string(folder.join("made/a.gr7")).expect("it is written");
+    assert!(chart.contains("(* open it *)") && chart.contains("// while dosing"), "{chart}");
+    let checked = plcc(folder, &["check", "made"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
 /// A quote in a text, which XML writes as `&apos;`.
 #[test]
 fn texts_with_quotes_come_back_from_projects() {
