@@ -15,6 +15,7 @@ use crate::trivia::Trivia;
 use crate::writer::{Notation, Writer};
 
 const LEFT_OUT: &str = "only SCL and ST are written; `--to sd` writes networks, too";
+const NEEDED: &str = "the new source does not compile without it: program it in ST; `--to sd` writes LD and FBD, too";
 
 /// What becomes of blocks in other languages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +32,7 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Ot
     let is_project = others == Others::LeftOut;
     writer.quotes_words = unit.overlay.is_some() && !is_project;
     let mut starts = HashSet::new();
+    let mut left_out = Vec::new();
     for block in &unit.blocks {
         writer.out.gap();
         if is_project {
@@ -43,12 +45,10 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Ot
             Block::Code(code) => match &code.code {
                 Code::Scl(body) => writer.scl_block(code, body),
                 Code::Graphic(body) if is_scl(&body.networks) => writer.scl_networks(code, &body.networks),
+                Code::Stl(_) | Code::Graphic(_) | Code::Chart(_) if is_project => left_out.push(&code.name),
                 Code::Stl(_) | Code::Graphic(_) | Code::Chart(_) => {
                     let title = format!("{} is not in SCL", writer.block_name(&code.name));
-                    match others {
-                        Others::Refused => writer.refuse(code.name.span(), title, "leave it in its language"),
-                        Others::LeftOut => writer.warn(code.name.span(), title, LEFT_OUT),
-                    }
+                    writer.refuse(code.name.span(), title, "leave it in its language");
                 }
             },
             Block::Data(data) => writer.data_block(data),
@@ -58,7 +58,14 @@ pub fn write(unit: &SourceUnit, trivia: Trivia, source: Option<&str>, others: Ot
     if !is_project {
         writer.remarks_before(u32::MAX);
     }
-    (writer.out.into_text(), writer.messages)
+    let text = std::mem::take(&mut writer.out).into_text();
+    for block in left_out {
+        let name = writer.block_name(block);
+        // Names of blocks are in quotes wherever they are used.
+        let (use_of_it, help) = if text.contains(&name) { (", and others use it", NEEDED) } else { ("", LEFT_OUT) };
+        writer.warn(block.span(), format!("{name} is not in SCL{use_of_it}"), help);
+    }
+    (text, writer.messages)
 }
 
 /// Whether all networks of a block are in SCL.

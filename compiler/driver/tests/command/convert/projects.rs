@@ -105,6 +105,17 @@ fn st_of_plcopen_becomes_scl() {
     assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
 }
 
+/// A warning says that what is written needs what is left out.
+#[test]
+fn blocks_that_others_use_are_named() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/first-steps/project.xml");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "scl", "-o", "a.scl"]);
+    let said = text(&made.stderr);
+    assert_eq!(made.status.code(), Some(0), "{said}");
+    assert!(said.contains("\"CounterLD\" is not in SCL, and others use it"), "{said}");
+}
+
 /// What their assertions say of projects in ST and IL holds for the sources in SCL.
 #[test]
 fn st_of_plcopen_does_the_same_as_scl() {
