@@ -30,7 +30,7 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Change the program of a running process.
     Load(LoadArgs),
-    /// Show a running process in the terminal: state, values, watch table, diagnostic buffer.
+    /// Show a running process in the terminal: state, blocks with their status, values, watch table, diagnostic buffer.
     Monitor(MonitorArgs),
     /// Run tests: assertion pragmas and scenarios.
     Test(TestArgs),

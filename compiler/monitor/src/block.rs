@@ -70,6 +70,16 @@ impl Block {
         self.make();
     }
 
+    /// The line with which a network begins.
+    pub fn line_of(&self, network: usize) -> Option<usize> {
+        let title = format!("Network {network}");
+        let is_title =
+            |text: &str| text.strip_prefix(&title).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'));
+        self.rows
+            .iter()
+            .position(|row| row.first().is_some_and(|piece| piece.tone == Tone::Title && is_title(&piece.text)))
+    }
+
     /// What comes until the block is asked for again is of another program.
     pub fn wait(&mut self) {
         self.turn = 0;

@@ -166,6 +166,7 @@ fn foot(model: &Model) -> Line<'_> {
         Part::Program => "Enter: open, watch  /: search",
         Part::Watch if model.role() == Role::Change => "f: force  u: end forcing  d: remove",
         Part::Watch => "d: remove",
+        Part::Diagnostics if model.event().is_some() => "Enter: open its block",
         Part::Diagnostics | Part::Block => "",
     };
     let may_modify = model.part == Part::Watch && model.role() != Role::Look;

@@ -74,6 +74,8 @@ pub struct Model {
     turn: u64,
     /// Columns at the left of the block that are not shown.
     pub aside: usize,
+    /// The network with which it is to begin, until its status comes.
+    network: Option<usize>,
     open: Vec<String>,
     pub search: String,
     pub tree: Vec<Node>,
@@ -118,6 +120,7 @@ impl Model {
             block: None,
             turn: 0,
             aside: 0,
+            network: None,
             open: Vec::new(),
             search: String::new(),
             tree: Vec::new(),
@@ -328,7 +331,8 @@ impl Model {
             _ => match self.part {
                 Part::Program => self.key_in_program(key),
                 Part::Watch => self.key_in_watch(key),
-                Part::Diagnostics | Part::Block => {}
+                Part::Diagnostics => self.key_in_diagnostics(key),
+                Part::Block => {}
             },
         }
     }
@@ -349,7 +353,7 @@ impl Model {
             KeyCode::Enter | KeyCode::Char(' ') => {
                 let Some(node) = self.tree.get(self.row(Part::Program)).cloned() else { return };
                 if let Some(page) = node.block.and_then(|number| self.pages.get(number)).cloned() {
-                    (self.at[Part::Block as usize], self.aside) = (0, 0);
+                    (self.at[Part::Block as usize], self.aside, self.network) = (0, 0, None);
                     return self.open_block(page);
                 }
                 match node.open {

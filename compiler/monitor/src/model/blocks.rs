@@ -53,9 +53,37 @@ impl Model {
                 block.fill(places);
                 self.turn += 1;
                 self.orders.push(block.ask(self.turn));
+                // There are other lines above it.
+                if self.network.is_some() {
+                    self.go_to_network();
+                    self.network = None;
+                }
             }
             Err(why) => block.note = why,
         }
+    }
+
+    /// The block in which the event with the cursor was, and its network.
+    pub fn event(&self) -> Option<(&Page, Option<usize>)> {
+        // `FC 2, network 2, words.stl:23`
+        let mut words = self.buffer.get(self.row(Part::Diagnostics))?.place.split(", ");
+        let id = words.next()?;
+        let page = self.pages.iter().find(|page| page.id == id && page.has_code())?;
+        Some((page, words.next().and_then(|word| word.strip_prefix("network ")?.parse().ok())))
+    }
+
+    pub(super) fn key_in_diagnostics(&mut self, key: KeyCode) {
+        let Some((page, network)) = self.event().filter(|_| key == KeyCode::Enter) else { return };
+        let page = page.clone();
+        (self.network, self.aside) = (network, 0);
+        self.open_block(page);
+        self.go_to_network();
+    }
+
+    /// The block begins with the network that is wanted.
+    fn go_to_network(&mut self) {
+        let line = self.block.as_ref().zip(self.network).and_then(|(block, network)| block.line_of(network));
+        self.at[Part::Block as usize] = line.unwrap_or(0);
     }
 
     /// A key in an open block. False: it means the same as elsewhere.

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{check, keys, model, picture};
 use crate::connection::Incoming;
 use crate::document::pages_of;
-use crate::messages::{News, Order, State, StatusNews};
+use crate::messages::{Entry, News, Order, State, StatusNews};
 use crate::model::{Model, Part, Wanted};
 use crate::row::{Row, Tone};
 use crate::status::Place;
@@ -260,6 +260,25 @@ fn a_block_is_left_and_opened_again_when_the_program_changes() {
     assert_eq!(text, r#"{"do":"status","block":null,"turn":0}"#);
     assert_eq!(model.orders().collect::<Vec<_>>(), [left]);
     assert!(picture(&model).contains("watch table"));
+}
+
+#[test]
+fn an_event_leads_to_its_network() {
+    let mut model = model("look");
+    model.take(program());
+    let event = |place: &str| Entry { clock: 0.0, text: "16#2522".to_string(), place: place.to_string() };
+    let buffer = ["OB 1, network 2, main.s7dcl:9", "OB 35, main.stl:7", "DB 1", ""].map(event).to_vec();
+    model.take(Incoming::News(Box::new(News { buffer: Some(buffer), ..News::default() })));
+    keys(&mut model, "\t↓");
+    assert!(!picture(&model).contains("open its block"), "the program has no such block");
+    keys(&mut model, "\n↓\n↓\n");
+    assert_eq!(model.part, Part::Diagnostics);
+    keys(&mut model, "↑↑↑");
+    assert!(picture(&model).contains("Enter: open its block"));
+    keys(&mut model, "\n");
+    assert_eq!(lines(&model)[model.row(Part::Block)], "Network 2");
+    model.take(Incoming::Places("OB1".to_string(), places_of(ladder_places())));
+    assert_eq!(lines(&model)[model.row(Part::Block)], "Network 2");
 }
 
 #[test]
