@@ -148,6 +148,7 @@ fn foot(model: &Model) -> Line<'_> {
             Asks::Modify => "new value",
             Asks::Force => "forced value",
             Asks::Stop => "put the CPU into STOP? Type y",
+            Asks::Run if model.has_cold_restart() => "start the CPU? Type y for a warm restart, c for a cold restart",
             Asks::Run => "start the CPU with a warm restart? Type y",
             Asks::Outputs => "enable outputs, so that values you modify reach the modules? Type y",
             Asks::Reset => "reset the memory, so that all data gets its start values, retentive data too? Type y",

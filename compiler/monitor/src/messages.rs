@@ -118,6 +118,9 @@ pub struct Hello {
     /// The program has code that tells what its statements see.
     #[serde(default)]
     pub watchable: bool,
+    /// The CPU has a cold restart besides the warm one.
+    #[serde(default)]
+    pub has_cold: bool,
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]

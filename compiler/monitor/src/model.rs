@@ -49,7 +49,7 @@ pub enum Asks {
     Modify,
     /// A value that the row has from now on.
     Force,
-    /// Whether the CPU is to go to STOP, to RUN: `y`.
+    /// Whether the CPU is to go to STOP, to RUN: `y`; to RUN by a cold restart: `c`.
     Stop,
     Run,
     /// Whether the outputs are to be enabled in STOP, the memory to be reset: `y`.
@@ -157,6 +157,11 @@ impl Model {
 
     pub fn role(&self) -> Role {
         self.hello.as_ref().map_or(Role::Look, |hello| hello.role)
+    }
+
+    /// The CPU has a cold restart besides the warm one.
+    pub fn has_cold_restart(&self) -> bool {
+        self.hello.as_ref().is_some_and(|hello| hello.has_cold)
     }
 
     /// What is to be fetched, each once.
@@ -447,6 +452,9 @@ impl Model {
             (Asks::Search, _) => {
                 self.search = text;
                 self.grow();
+            }
+            (Asks::Run, _) if self.has_cold_restart() && text.eq_ignore_ascii_case("c") => {
+                self.orders.push(Order::Run { restart: "cold".to_string() });
             }
             (Asks::Stop | Asks::Run | Asks::Outputs | Asks::Reset, _) if !text.eq_ignore_ascii_case("y") => {}
             (Asks::Stop, _) => self.orders.push(Order::Stop),

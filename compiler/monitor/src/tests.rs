@@ -174,6 +174,22 @@ fn outputs_are_enabled_and_the_memory_is_reset_in_stop() {
 }
 
 #[test]
+fn a_cpu_that_has_a_cold_restart_is_started_so() {
+    let mut model = model("change");
+    let _ = model.orders().count();
+    keys(&mut model, "Rc\n");
+    assert_eq!(model.orders().count(), 0, "an S7-1500 has none");
+    let mut hello = model.hello.clone().expect("it has come");
+    hello.has_cold = true;
+    model.take(Incoming::News(Box::new(News { hello: Some(hello), ..News::default() })));
+    keys(&mut model, "R");
+    assert!(picture(&model).contains("c for a cold restart"));
+    keys(&mut model, "c\nRy\nRx\n");
+    let run = |restart: &str| Order::Run { restart: restart.to_string() };
+    assert_eq!(model.orders().collect::<Vec<_>>(), [run("cold"), run("warm")]);
+}
+
+#[test]
 fn watch_tables_of_the_project_are_shown_one_after_the_other() {
     let mut model = model("operate");
     keys(&mut model, "t");
@@ -256,8 +272,13 @@ fn a_lost_connection_is_told_and_begins_anew() {
 fn no_key_and_no_news_do_harm() {
     let mut model = Model::new("", Vec::new());
     let entry = Entry { clock: f64::NAN, text: String::new(), place: String::new() };
-    let hello =
-        Hello { program: String::new(), cpu: String::new(), role: plcc_abi::services::Role::Look, watchable: true };
+    let hello = Hello {
+        program: String::new(),
+        cpu: String::new(),
+        role: plcc_abi::services::Role::Look,
+        watchable: true,
+        has_cold: false,
+    };
     for round in 0..3 {
         keys(&mut model, "t\n↓↑\tmfud\n↑↓\t\n/x\n\ta\n");
         let _ = picture(&model);
