@@ -37,6 +37,10 @@ pub fn read(
     let title = find("S7_NetworkTitle");
     let comment = find("S7_NetworkComment").map(|text| blocks::lines(&text)).unwrap_or_default();
     let (labels, content) = match language {
+        _ if let Some(message) = statement_list(network) => {
+            diagnostics.push(message);
+            (Vec::new(), Content::Scl(Vec::new()))
+        }
         Language::Scl => {
             let (statements, messages) =
                 fragment::statements(source.file, source.text, network.bytes.clone(), source.pragmas);
@@ -49,6 +53,16 @@ pub fn read(
         }
     };
     Network { language, title, comment, labels, content, span: network.span }
+}
+
+/// The message about a network whose language is STL. None of its statements are read.
+fn statement_list(network: &NetworkSource) -> Option<Diagnostic> {
+    let attribute = pragma::find(&network.attributes, "S7_Language").filter(|value| settings::is_stl(value))?;
+    Some(
+        Diagnostic::new(Code::ForeignContent, attribute.value_span, "plcc reads no networks of STL in SIMATIC SD")
+            .label("this network is left out")
+            .help("export the block as XML or as a source, which have its statements"),
+    )
 }
 
 /// From the attributes of the network, otherwise of the block, otherwise from its contents.

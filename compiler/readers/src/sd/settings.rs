@@ -75,6 +75,11 @@ pub fn check(document: &Document, diagnostics: &mut Vec<Diagnostic>) {
     }
 }
 
+/// Whether a language is STL, in English or German.
+pub fn is_stl(attribute: &Attribute) -> bool {
+    ["STL", "AWL"].iter().any(|name| name.eq_ignore_ascii_case(attribute.value.trim()))
+}
+
 fn fault(attribute: &Attribute) -> Option<Diagnostic> {
     let key = &attribute.key;
     let Some((name, values)) = ATTRIBUTES.iter().find(|(name, _)| attribute.is(name)) else {
@@ -86,6 +91,10 @@ fn fault(attribute: &Attribute) -> Option<Diagnostic> {
         );
     };
     let value = attribute.value.trim();
+    // The network has an error.
+    if *name == "S7_Language" && is_stl(attribute) {
+        return None;
+    }
     if values.is_empty() || value.is_empty() || values.iter().any(|known| known.eq_ignore_ascii_case(value)) {
         return None;
     }
