@@ -99,7 +99,7 @@ impl Repair<'_> {
         false
     }
 
-    /// `a := [1, 2, 3];`
+    /// `a := [1, 2, 3];`, `a := (1, 2, 3);`, `a := (x := 1, y := 2);`
     pub(super) fn list_of_values(&mut self) -> bool {
         let at = self.at;
         let assigned = self.last.is_some_and(|last| last.kind == RawKind::Assign) && at >= self.statement + 2;
@@ -111,6 +111,23 @@ impl Repair<'_> {
         };
         let target = self.words(self.statement, at - 2);
         let values = self.parts(at + 1, close);
+        let is_named =
+            |(first, last): &(usize, usize)| self.kind(first + 1) == Some(RawKind::Assign) && *last >= first + 2;
+        if self.kind(at) == Some(RawKind::LeftParen) {
+            if !values.is_empty() && values.iter().all(is_named) {
+                let text = |(first, last): &(usize, usize)| format!("{target}.{};", self.words(*first, *last));
+                let shown: Vec<String> = values.iter().take(ELEMENTS_MAX).map(text).collect();
+                let more = if values.len() > ELEMENTS_MAX { " …" } else { "" };
+                let help = format!("write `{}{more}`", shown.join(" "));
+                let title = "a structure of values is possible in a declaration only".to_owned();
+                self.report(at, close + 1, title, "a form of other languages", help);
+                self.give_up(close + 1);
+                return true;
+            }
+            if values.len() < 2 {
+                return false;
+            }
+        }
         let elements = self.lower_bound(target).filter(|_| !values.is_empty()).map(|low| {
             let text =
                 |(index, part): (i64, &(usize, usize))| format!("{target}[{index}] := {};", self.words(part.0, part.1));

@@ -27,7 +27,7 @@ impl Repair<'_> {
             RawKind::Stray => self.stray_sign(token) || self.curved_quotes(token),
             RawKind::Assign => self.value_with_sign(),
             RawKind::Arrow => self.value_with_sign() || self.arrow(),
-            RawKind::LeftParen => self.type_in_brackets(),
+            RawKind::LeftParen => self.type_in_brackets() || self.list_of_values(),
             RawKind::Literal => self.parted_duration(token),
             RawKind::Local => self.region_with_sign(token),
             RawKind::Hash => self.parted_duration(token) || self.split_local(token) || self.comment_with_hash(token),
