@@ -236,9 +236,9 @@ impl Binder<'_> {
             );
             return None;
         }
-        let meant = match self.other_order(insn, operands) {
+        let meant = match self.other_order(locals, insn, operands) {
             Some(message) => vec![message],
-            None => self.other_instruction(insn, operands),
+            None => self.other_instruction(locals, insn, operands),
         };
         if !meant.is_empty() {
             meant.into_iter().for_each(|message| self.push(message));

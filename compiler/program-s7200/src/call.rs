@@ -30,6 +30,9 @@ impl Binder<'_> {
         self.uses.call(caller, callee, target.span);
         let block = self.blocks.get(callee)?;
         let (number, name, formals) = (block.number, block.name.clone(), block.locals.clone());
+        if formals.has_unknown() {
+            return None;
+        }
         let title = if name.is_empty() { format!("SBR{number}") } else { format!("`{name}`") };
         let wanted = formals.parameters().count();
         // If the EN of the box is declared, it is S0, and calls may omit it.

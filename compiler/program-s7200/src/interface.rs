@@ -7,10 +7,11 @@ use plcc_abi::s7200::LOCAL_BYTES;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{self, Area, Direct, Section};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Binder;
 use super::names::fold;
+use plcc_binding::report::known_type;
 use plcc_binding::similar;
 use plcc_model::s7200::{Direction, Parameter};
 
@@ -69,11 +70,23 @@ pub struct Locals {
     /// In order of their addresses: IN, IN_OUT, OUT, temporary ones.
     pub list: Vec<Local>,
     index: FxHashMap<String, usize>,
+    /// Names whose declarations were reported.
+    unknown: FxHashSet<String>,
 }
 
 impl Locals {
     pub fn find(&self, name: &str) -> Option<&Local> {
         self.list.get(*self.index.get(&fold(name))?)
+    }
+
+    /// Whether the declaration of the name was reported.
+    pub fn is_unknown(&self, name: &str) -> bool {
+        self.unknown.contains(&fold(name))
+    }
+
+    /// Whether a declaration was reported.
+    pub fn has_unknown(&self) -> bool {
+        !self.unknown.is_empty()
     }
 
     /// The parameters, in the order of a call.
@@ -170,7 +183,10 @@ impl Binder<'_> {
                     continue;
                 }
                 spans.insert(fold(&declaration.name), span);
-                let Some(ty) = self.local_type(declaration) else { continue };
+                let Some(ty) = self.local_type(declaration) else {
+                    locals.unknown.insert(fold(&declaration.name));
+                    continue;
+                };
                 let place = layout.place(ty.width());
                 if layout.end() > LOCAL_BYTES {
                     overflow.get_or_insert(span);
@@ -217,8 +233,15 @@ impl Binder<'_> {
         let known = TYPES.iter().find(|(name, _)| declaration.ty.eq_ignore_ascii_case(name));
         if known.is_none() {
             let names = TYPES.iter().map(|(name, _)| *name);
-            let help = match similar(&declaration.ty, names) {
+            let foreign = known_type(&declaration.ty).filter(|ty| TYPES.iter().any(|(name, _)| name == ty));
+            let help = match foreign.or_else(|| similar(&declaration.ty, names)) {
                 Some(name) => format!("is `{name}` meant?"),
+                None if matches!(declaration.ty.as_str(), "TIME" | "S5TIME" | "LTIME") => {
+                    "a time is a number: INT for the steps of a timer, DINT for milliseconds".to_string()
+                }
+                None if declaration.ty == "ARRAY" => {
+                    "declare a variable for each element, or use V memory and a pointer such as `*AC1`".to_string()
+                }
                 None => "the types are BOOL, BYTE, WORD, DWORD, INT, DINT, REAL and STRING".to_string(),
             };
             let title = format!("the S7-200 has no data type `{}`", declaration.ty);

@@ -2,23 +2,25 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
-use plcc_syntax::s7200::ast::{self, OperandKind};
+use plcc_syntax::s7200::ast::{self, OperandKind, SymbolForm};
 use plcc_syntax::s7200::{Compare, CompareKind, Insn, OperandClass};
 use plcc_syntax::stl::Mnemonics;
 
-use super::operand::{has_area, has_width, is_target, takes_constants, wanted, width, width_message};
-use super::{Binder, address};
+use super::Binder;
+use super::interface::{Locals, Type};
+use super::names::fold;
+use super::operand::{has_area, has_width, is_target, takes_constants, wanted, width};
 
 impl Binder<'_> {
     /// `S 1, Q0.0`, `MOVW VW0, 5`, `TON 10, T37`: a constant in the place of an address, which is the other operand.
-    pub fn other_order(&self, insn: Insn, operands: &[ast::Operand]) -> Option<Diagnostic> {
+    pub fn other_order(&self, locals: &Locals, insn: Insn, operands: &[ast::Operand]) -> Option<Diagnostic> {
         let (&[first_class, second_class], [first, second]) = (insn.operands(), operands) else { return None };
         let orders = [(first, first_class, second, second_class), (second, second_class, first, first_class)];
         let (constant, class, ..) = orders.into_iter().find(|(constant, class, place, other)| {
-            matches!(constant.kind, OperandKind::Constant(_))
-                && is_target(*class)
-                && matches!(place.kind, OperandKind::Direct(direct) if may_be(*class, direct))
+            is_target(*class)
                 && takes_constants(*other)
+                && matches!(self.form(locals, constant), Form::Constant)
+                && matches!(self.form(locals, place), Form::Place(direct) if may_be(*class, direct))
         })?;
         let (title, label) = match class {
             OperandClass::Timer | OperandClass::Counter => {
@@ -38,23 +40,26 @@ impl Binder<'_> {
 
     /// `MOVW VB0, VB1`, `DTI VW0, VD4`, `DIV VW0, VW2`: operands with the widths of another instruction. Each operand that misfits an
     /// instruction which exists for one width only has a message, too: `TON T37, VB0`.
-    pub fn other_instruction(&self, insn: Insn, operands: &[ast::Operand]) -> Vec<Diagnostic> {
+    pub fn other_instruction(&self, locals: &Locals, insn: Insn, operands: &[ast::Operand]) -> Vec<Diagnostic> {
         if operands.len() != insn.operands().len() {
             return Vec::new();
         }
-        let misfits = operands.iter().zip(insn.operands()).filter_map(|(operand, class)| match &operand.kind {
-            OperandKind::Direct(direct) if has_area(*class, *direct) && !has_width(*class, *direct) => {
-                Some((operand.span, *direct, *class, width(*class)?))
+        let forms: Vec<Form> = operands.iter().map(|operand| self.form(locals, operand)).collect();
+        let mut misfits = Vec::new();
+        for ((operand, form), class) in operands.iter().zip(&forms).zip(insn.operands()) {
+            if let (Form::Place(direct), Some(needed)) = (form, width(*class))
+                && has_area(*class, *direct)
+                && !has_width(*class, *direct)
+            {
+                misfits.push((operand.span, *direct, *class, needed));
             }
-            _ => None,
-        });
-        let misfits: Vec<_> = misfits.collect();
+        }
         let Some(&(span, direct, class, needed)) = misfits.first() else { return Vec::new() };
         let relatives = relatives(insn);
         if relatives.is_empty() && class != OperandClass::Bit {
             let alone = |(span, direct, class, needed): (Span, ast::Direct, OperandClass, Width)| {
-                let same = address::text(ast::Direct { width: Some(needed), bit: 0, ..direct });
-                width_message(class, direct, needed, span).help(format!("write an operand such as {same}"))
+                let same = self.of_width(direct, needed, span);
+                self.width_message(class, direct, needed, span).help(format!("write {same}"))
             };
             return misfits.into_iter().map(alone).collect();
         }
@@ -62,9 +67,9 @@ impl Binder<'_> {
             [first, .., last] => self.written(first.span.to(last.span)),
             _ => self.written(span),
         };
-        let others = relatives.into_iter().filter(|other| fits(*other, operands));
+        let others = relatives.into_iter().filter(|other| fits(*other, &forms));
         let mut statements: Vec<String> = others.map(|other| format!("`{} {list}`", self.mnemonic(other))).collect();
-        if let (Insn::MovD, [first, ast::Operand { kind: OperandKind::Direct(target), .. }]) = (insn, operands)
+        if let (Insn::MovD, [first, _], [_, Form::Place(target)]) = (insn, operands, forms.as_slice())
             && first.span == span
             && may_be(OperandClass::DwordOut, *target)
         {
@@ -73,8 +78,37 @@ impl Binder<'_> {
         if statements.is_empty() {
             return Vec::new();
         }
-        vec![width_message(class, direct, needed, span).help(format!("write {}", statements.join(" or ")))]
+        vec![self.width_message(class, direct, needed, span).help(format!("write {}", statements.join(" or ")))]
     }
+
+    fn form(&self, locals: &Locals, operand: &ast::Operand) -> Form {
+        match &operand.kind {
+            OperandKind::Direct(direct) => Form::Place(*direct),
+            OperandKind::Constant(_) => Form::Constant,
+            // In double quotes it may be a text.
+            OperandKind::Symbol { form: SymbolForm::Quoted, .. } => Form::Other,
+            OperandKind::Symbol { name, form } => {
+                let local = locals.find(name);
+                let global = self.globals.get(&fold(name)).filter(|_| *form != SymbolForm::Local);
+                match (local, global.map(|global| &global.target)) {
+                    (Some(local), _) if local.ty != Type::String => Form::Place(local.place),
+                    (None, Some(OperandKind::Direct(direct))) => Form::Place(*direct),
+                    (None, Some(OperandKind::Constant(_))) => Form::Constant,
+                    _ => Form::Other,
+                }
+            }
+            OperandKind::Indirect(_) | OperandKind::AddressOf(_) | OperandKind::Block { .. } | OperandKind::Error => {
+                Form::Other
+            }
+        }
+    }
+}
+
+/// What an operand is, as far as its form and its symbol show.
+enum Form {
+    Place(ast::Direct),
+    Constant,
+    Other,
 }
 
 fn is_number(class: OperandClass) -> bool {
@@ -86,14 +120,14 @@ fn may_be(class: OperandClass, direct: ast::Direct) -> bool {
     has_area(class, direct) && has_width(class, direct)
 }
 
-/// Whether the operands are those of `insn`, as far as their forms show.
-fn fits(insn: Insn, operands: &[ast::Operand]) -> bool {
+/// Whether the operands are those of `insn`.
+fn fits(insn: Insn, forms: &[Form]) -> bool {
     let classes = insn.operands();
-    classes.len() == operands.len()
-        && operands.iter().zip(classes).all(|(operand, class)| match &operand.kind {
-            OperandKind::Direct(direct) => may_be(*class, *direct),
-            OperandKind::Constant(_) => takes_constants(*class),
-            _ => false,
+    classes.len() == forms.len()
+        && forms.iter().zip(classes).all(|(form, class)| match form {
+            Form::Place(direct) => may_be(*class, *direct),
+            Form::Constant => takes_constants(*class),
+            Form::Other => false,
         })
 }
 

@@ -3,8 +3,8 @@
 use plcc_abi::s7200::{pointer, system};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
-use plcc_syntax::s7200::OperandClass;
 use plcc_syntax::s7200::ast::{self, Area, Constant, Direct};
+use plcc_syntax::s7200::{self, OperandClass};
 
 use super::Binder;
 use super::address;
@@ -156,13 +156,6 @@ fn width_name(width: Width) -> &'static str {
     }
 }
 
-/// The address has another width than the class.
-pub fn width_message(class: OperandClass, direct: Direct, width: Width, span: Span) -> Diagnostic {
-    let own = direct.width.map_or("of another width", width_name);
-    let title = format!("{} is {own}, the instruction needs {} (0090)", address::text(direct), width_name(width));
-    Diagnostic::new(Code::OperandKind, span, title).label(format!("expected: {}", wanted(class)))
-}
-
 /// A bound place in memory; `None`: it is not in memory.
 pub fn memory(direct: Direct, width: Width) -> Option<Operand> {
     let area = match direct.area {
@@ -304,10 +297,36 @@ impl Binder<'_> {
 
     fn other_width(&mut self, class: OperandClass, direct: Direct, width: Width, span: Span) -> Option<Operand> {
         let own = direct.width.map_or("of another width", width_name);
-        let same = address::text(Direct { width: Some(width), bit: 0, ..direct });
-        let message = width_message(class, direct, width, span);
-        self.push(message.help(format!("use the instruction for {own}, or an operand such as {same}")));
+        let same = self.of_width(direct, width, span);
+        let message = self.width_message(class, direct, width, span);
+        self.push(message.help(format!("use the instruction for {own}, or {same}")));
         None
+    }
+
+    /// The address has another width than the class.
+    pub fn width_message(&self, class: OperandClass, direct: Direct, width: Width, span: Span) -> Diagnostic {
+        let own = direct.width.map_or("of another width", width_name);
+        let shown = match self.is_symbol(span) {
+            true => format!("`{}` ({})", self.written(span), address::text(direct)),
+            false => address::text(direct),
+        };
+        let title = format!("{shown} is {own}, the instruction needs {} (0090)", width_name(width));
+        Diagnostic::new(Code::OperandKind, span, title).label(format!("expected: {}", wanted(class)))
+    }
+
+    /// What has this width in place of the operand at `span`, which is `direct`.
+    pub fn of_width(&self, direct: Direct, width: Width, span: Span) -> String {
+        match self.is_symbol(span) {
+            true => format!("a name of {}", width_name(width)),
+            false => format!("an operand such as {}", address::text(Direct { width: Some(width), bit: 0, ..direct })),
+        }
+    }
+
+    /// Whether the operand at `span` is a name.
+    fn is_symbol(&self, span: Span) -> bool {
+        let written = self.written(span);
+        written.starts_with(|c: char| c.is_alphabetic() || matches!(c, '#' | '"' | '_'))
+            && s7200::parse_address(&written.replace([' ', '\t'], "")).is_none()
     }
 
     fn misfit(&mut self, class: OperandClass, help: &str, span: Span) -> Option<Operand> {

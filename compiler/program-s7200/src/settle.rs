@@ -64,6 +64,9 @@ impl Binder<'_> {
     }
 
     fn settle_symbol(&mut self, locals: &Locals, name: &str, form: SymbolForm, span: Span) -> Option<Settled> {
+        if form != SymbolForm::Quoted && locals.is_unknown(name) {
+            return None;
+        }
         if form != SymbolForm::Quoted
             && let Some(local) = locals.find(name)
         {

@@ -464,6 +464,12 @@ impl<'a> Classifier<'a, '_> {
         let start = code.first().map_or(self.end, |token| token.range().start);
         self.push(start..start, Tok::Declaration);
         self.place = Where::Declaration;
+        // `list:ARRAY[1..5] OF INT;`: the type is reported, and what follows it is a part of it.
+        let is_array = |ty: &RawToken| ty.text(self.text).eq_ignore_ascii_case("ARRAY");
+        let code = match code {
+            [_, colon, ty, ..] if colon.kind == RawKind::Colon && is_array(ty) => &code[..3],
+            _ => code,
+        };
         if !self.without_colon(code) {
             self.operands(code);
         }
