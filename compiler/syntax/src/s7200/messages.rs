@@ -58,6 +58,15 @@ impl Place<Tok<'_>, Mnemonics> for Recovery {
         {
             return told;
         }
+        if let (Recovery::Statement(insn), None, Some((start, Tok::Comma, end))) = (self, here, before) {
+            let commas = earlier.iter().rev().take_while(|token| !matches!(token.1, Tok::Insn(_)));
+            let commas = commas.filter(|token| token.1 == Tok::Comma).count();
+            if commas >= insn.operands().len() {
+                return Diagnostic::new(Code::Syntax, state.span(*start..*end), "no operand follows the last `,`")
+                    .label("surplus")
+                    .help("remove it");
+            }
+        }
         state.misplaced(code, what, here.map(range), follows.map(range), before.map_or(found..found, range)).help(help)
     }
 }
@@ -94,6 +103,9 @@ fn slip(state: &State, insn: Insn, range: Range<usize>, before: Option<&Spanned>
 pub fn form(insn: Insn, set: Mnemonics) -> String {
     let mnemonic = insn.mnemonic(set);
     match insn.operands().len() {
+        _ if insn == Insn::Call => {
+            format!("`{mnemonic}` has the subroutine, then its parameters, separated by `,`")
+        }
         0 => format!("`{mnemonic}` has no operands"),
         1 => format!("`{mnemonic}` has one operand"),
         count => format!("`{mnemonic}` has {count} operands, separated by `,`"),

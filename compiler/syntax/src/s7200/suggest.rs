@@ -80,6 +80,7 @@ const SLIPS: &[(&str, &str)] = &[
     ("MOV", "write `MOVB`, `MOVW`, `MOVD` or `MOVR`"),
     ("MOVE", "write `MOVB`, `MOVW`, `MOVD` or `MOVR`"),
     ("OUT", "write `=`"),
+    ("==", "write `=`"),
     ("STP", "write `STOP`"),
     ("EDGE", "write `EU` for a rising edge, `ED` for a falling one"),
     ("P", "write `EU` after the contact for its rising edge"),
