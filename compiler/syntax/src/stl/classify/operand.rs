@@ -499,7 +499,10 @@ impl<'a> Classifier<'a, '_> {
                 Some(address) => format!("write `{address}`: the file has {} mnemonics", messages::set_name(self.set)),
                 None => match without_x(text) {
                     Some(address) => format!("write `{address}`"),
-                    None => "a component has a name; an address is written like `M 10.0`".to_owned(),
+                    None => match self.parted_address(text) {
+                        Some(address) => format!("write `{address}`, without a blank at the point"),
+                        None => "a component has a name; an address is written like `M 10.0`".to_owned(),
+                    },
                 },
             },
         };
@@ -513,6 +516,16 @@ impl<'a> Classifier<'a, '_> {
             .help(help),
         );
         self.push(begin, Tok::BadOperand, end);
+    }
+
+    /// `E 0.1` for `E 0 .1`, where `text` is the number after the letters.
+    fn parted_address(&self, text: &str) -> Option<String> {
+        let Some((start, Tok::Area(..), end)) = self.out.last() else { return None };
+        let number: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+        let (byte, bit) = number.split_once('.')?;
+        let is_address = !byte.is_empty() && byte.bytes().all(|digit| digit.is_ascii_digit());
+        let is_bit = matches!(bit.as_bytes(), [b'0'..=b'7']);
+        (is_address && is_bit).then(|| format!("{} {number}", &self.text[*start..*end]))
     }
 
     /// `E0.0` with the letters of the file's set: `I0.0`; `None` if the other set does not have the letters.
