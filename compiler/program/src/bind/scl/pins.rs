@@ -159,6 +159,7 @@ impl SclBinder<'_, '_> {
             .collect();
         if good && !missing.is_empty() {
             good = false;
+            let help = self.with_all_pins(name, &list, &pins, given);
             self.program.report(
                 Diagnostic::new(
                     Code::MissingParameter,
@@ -166,7 +167,7 @@ impl SclBinder<'_, '_> {
                     format!("the call of {} omits {}", row.name, missing.join(", ")),
                 )
                 .label("the function needs it")
-                .help(format!("add `{} := ...`", missing[0])),
+                .help(help),
             );
         }
         if good && let Some(omitted) = list.iter().find_map(|pin| pins.gap(*pin)) {
@@ -182,6 +183,23 @@ impl SclBinder<'_, '_> {
             self.note_arguments(ctx, given);
         }
         good.then_some(pins)
+    }
+
+    /// What to add for the pins of `list` that have no argument: in a call without names, the call with all of its names.
+    fn with_all_pins(&self, name: Span, list: &[Pin], pins: &Pins, given: &[Given]) -> String {
+        let is_missing = |pin: &&Pin| !pin.optional && !pins.given.iter().any(|(own, ..)| *own == pin.name());
+        let missing = list.iter().filter(is_missing);
+        let missing = missing.map(|pin| format!("{} {} …", pin.name(), if pin.output { "=>" } else { ":=" }));
+        if given.is_empty() || given.iter().any(|argument| argument.name.is_some()) {
+            return format!("add `{}`", missing.collect::<Vec<_>>().join(", "));
+        }
+        let text = |span| self.program.globals.text(span);
+        let given = pins.given.iter().filter_map(|(own, position, node)| {
+            let pin = list.iter().find(|pin| pin.name() == *own)?;
+            let sign = if pin.output { "=>" } else { ":=" };
+            Some(format!("{} {sign} {}", pin.numbered_name(*position), text(node.span)))
+        });
+        format!("write `{}({})`", text(name), given.chain(missing).collect::<Vec<_>>().join(", "))
     }
 
     /// The pin of one argument, with its position among numbered ones.
