@@ -10,7 +10,7 @@ use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 
 /// Functions of other languages, and what a program of a PLC does instead.
-const FUNCTIONS: [(&[&str], &str); 14] = [
+const FUNCTIONS: [(&[&str], &str); 15] = [
     (
         &["printf", "print", "println", "puts", "echo", "writeln", "write", "cout"],
         "a PLC has no console: assign the value to a variable, and watch it in a watch table or in the trace",
@@ -42,6 +42,10 @@ const FUNCTIONS: [(&[&str], &str); 14] = [
         "assign the variable as a whole with `:=`, or copy elements with MOVE_BLK, fill them with FILL_BLK",
     ),
     (&["fabs", "labs"], "write `ABS(…)`, for all numbers"),
+    (
+        &["s", "r", "reset"],
+        "a bit is set and reset by assignments, as in `IF on THEN lamp := TRUE; END_IF; IF off THEN lamp := FALSE; END_IF;`",
+    ),
     (&["rand", "random"], "calculate numbers of your own, as in `seed := seed * 25173 + 13849;` with a UINT"),
 ];
 

@@ -1,4 +1,4 @@
-//! Values and targets of other languages: `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, `a[1]:P`, and `1..:` in CASE.
+//! Values and targets of other languages: `a S= b`, `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, `a[1]:P`, and `1..:` in CASE.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -15,7 +15,8 @@ const VALUES_MAX: usize = 4;
 impl Repair<'_> {
     /// A value that begins with a word, or has one between its operands.
     pub(super) fn foreign_value(&mut self, token: RawToken) -> bool {
-        token.kind == RawKind::Word && (self.chosen_value(token) || self.if_of_c(token) || self.membership(token))
+        token.kind == RawKind::Word
+            && (self.chosen_value(token) || self.if_of_c(token) || self.membership(token) || self.set_or_reset(token))
     }
 
     /// `"Panel".list[2]:P`: an element past the process image.
@@ -97,6 +98,31 @@ impl Repair<'_> {
             (self.words(at + 1, then - 1), self.words(then + 1, other - 1), self.words(other + 1, last - 1));
         let help = format!("write `IF {condition} THEN {target} := {yes}; ELSE {target} := {no}; END_IF;`");
         self.report(at, at + 1, "IF is a statement, not a value".to_owned(), "a form of other languages", help);
+        self.give_up(end);
+        true
+    }
+
+    /// `lamp S= on;`, `lamp R= off;`
+    fn set_or_reset(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let word = self.slice(token).to_ascii_uppercase();
+        let value = match word.as_str() {
+            "S" => "TRUE",
+            "R" => "FALSE",
+            _ => return false,
+        };
+        let sign = self.kind(at + 1) == Some(RawKind::Equal) && self.adjacent(at);
+        let outside = self.brackets.is_empty() && self.head.is_none() && self.statement < at;
+        if !sign || !outside || token.first_on_line || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let end = self.end_of_statement(at);
+        if end <= at + 2 {
+            return false;
+        }
+        let (target, condition) = (self.words(self.statement, at - 1), self.words(at + 2, end - 1));
+        let help = format!("write `IF {condition} THEN {target} := {value}; END_IF;`");
+        self.report(at, at + 2, format!("SCL has no `{word}=`"), "a form of other languages", help);
         self.give_up(end);
         true
     }
