@@ -1,6 +1,7 @@
 //! Loops in SCL that change nothing in their condition: `WHILE i < 10` without an assignment to `i`.
 //!
-//! Only conditions of temporary and static data count, in loops that call nothing and that no statement leaves.
+//! Only conditions of temporary and static data and of the process image of inputs count, in loops that call nothing and that no statement
+//! leaves.
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::walk::{self, Role, Visitor};
@@ -21,12 +22,19 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
         if let Some((condition, body, goes_on)) = parts
             && !has_word(condition)
             && !body.iter().any(leaves)
-            && let Some(first) = unchanged(condition, body)
+            && let Some((first, is_input)) = unchanged(condition, body)
         {
+            let first = text(first);
+            let help = match is_input {
+                true => format!(
+                    "inputs are read before each cycle: write IF, and look at `{first}` in the next cycle again"
+                ),
+                false => format!("assign to `{first}` in the loop, or leave it with EXIT"),
+            };
             found.push(
                 Diagnostic::new(Code::NothingLeaves, condition.span, "nothing in this loop changes its condition")
                     .label(format!("once it is {goes_on}, it stays so"))
-                    .help(format!("assign to `{}` in the loop, or leave it with EXIT", text(first))),
+                    .help(help),
             );
         }
         statement.kind.bodies().into_iter().for_each(|body| review(body, text, found));
@@ -45,14 +53,14 @@ fn has_word(condition: &Expr) -> bool {
     }
 }
 
-/// The first variable of the condition, if nothing in `body` changes one of them.
-fn unchanged(condition: &Expr, body: &[Statement]) -> Option<Span> {
+/// The first variable of the condition, and whether it is an input, if nothing in `body` changes one of them.
+fn unchanged(condition: &Expr, body: &[Statement]) -> Option<(Span, bool)> {
     let mut reads = Reads::default();
     walk::expr(condition, &mut reads);
-    let (_, first) = *reads.places.first().filter(|_| !reads.is_open)?;
+    let (bits, first) = *reads.places.first().filter(|_| !reads.is_open)?;
     let mut changes = Changes { places: &reads.places, found: false };
     walk::statements(body, &mut changes);
-    (!changes.found).then_some(first)
+    (!changes.found).then_some((first, bits.region == Region::I))
 }
 
 /// What a condition reads.
@@ -70,7 +78,9 @@ impl Visitor for Reads {
 
     fn access(&mut self, access: &Access, _role: Role) {
         match Bits::of(access) {
-            Some(bits) if matches!(bits.region, Region::L | Region::Instance) => self.places.push((bits, access.span)),
+            Some(bits) if matches!(bits.region, Region::L | Region::Instance | Region::I) => {
+                self.places.push((bits, access.span))
+            }
             _ => self.is_open = true,
         }
     }
@@ -89,6 +99,7 @@ impl Changes<'_> {
             Some(bits) => self.places.iter().any(|(place, _)| match (place.region, bits.region) {
                 (a, b) if a == b => place.first < bits.end && bits.first < place.end,
                 (Region::Instance, Region::I | Region::Q | Region::M | Region::L) => false,
+                (Region::I, Region::Parameter(_) | Region::ThroughPointer(_)) => true,
                 (a, _) => a == Region::Instance,
             }),
             None => true,
