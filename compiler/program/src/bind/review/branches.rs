@@ -79,7 +79,7 @@ impl Visitor for Branches<'_> {
 }
 
 /// Whether a condition may have another value the next time, or change a variable.
-fn may_differ(condition: &Expr) -> bool {
+pub(super) fn may_differ(condition: &Expr) -> bool {
     let mut looked = Differs(false);
     walk::expr(condition, &mut looked);
     looked.0

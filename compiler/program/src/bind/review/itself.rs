@@ -1,4 +1,4 @@
-//! Variables in SCL that meet themselves, `a = a`, `a AND a`, `a - a` and `a := a`, and products with 0.
+//! Variables in SCL that meet themselves, `a = a`, `w AND w`, `a - a` and `a := a`, and products with 0.
 //!
 //! A REAL is compared with itself to find out whether it is a number, and its difference from itself is none if it is infinite, so REALs
 //! count in assignments only.
@@ -69,6 +69,8 @@ impl Pairs<'_> {
 
     fn operation(&mut self, op: BinaryOp, left: &Expr, right: &Expr, span: Span) {
         let (signs, is_one): (&[&str], bool) = match op {
+            // Conditions have a review of their own.
+            BinaryOp::And | BinaryOp::Or if left.ty.bits() == 1 => return,
             BinaryOp::And => (&["AND", "&"], true),
             BinaryOp::Or => (&["OR"], true),
             BinaryOp::Xor => (&["XOR"], false),

@@ -15,6 +15,7 @@
 //! - [`numbers`]: whole numbers and REALs in one calculation in STL; [`bcd`]: whole numbers and BCD.
 //! - [`opened`]: accesses in STL to another data block than the one that was opened.
 //! - [`product`]: products of short whole numbers in SCL that become longer ones.
+//! - [`repeated`]: conditions in SCL with a part that is there twice, or with its opposite.
 //! - [`same`]: whether what is written twice is the same.
 //! - [`temporary`]: temporary data that is read before it is written.
 //! - [`assigned`]: variables in SCL that are assigned again before anything reads them.
@@ -41,6 +42,7 @@ mod overlaps;
 mod product;
 mod recursion;
 mod region;
+mod repeated;
 mod same;
 mod stl;
 mod temporary;
@@ -93,6 +95,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                     instances::review(program, &body.statements, &mut found);
                     itself::review(&body.statements, &text, &mut found);
                     joined::review(&body.statements, &text, &mut found);
+                    repeated::review(&body.statements, &text, &mut found);
                     negation::review(&body.statements, &text, &mut found);
                     product::review(&body.statements, &text, &mut found);
                     indices::review(&body.statements, &text, &mut found);
