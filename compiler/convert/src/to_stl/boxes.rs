@@ -24,6 +24,15 @@ struct Work {
     checked: bool,
 }
 
+/// How ENO finds out whether a box went wrong.
+pub enum Check {
+    Never,
+    /// OV says so.
+    Overflow,
+    /// This bit says so.
+    Bit(Operand),
+}
+
 impl Maker<'_> {
     /// A box of the table.
     pub fn arithmetic_box(&mut self, graph: &Graph, plan: &Plan, at: usize, row: &'static Row) {
@@ -36,7 +45,12 @@ impl Maker<'_> {
         }
         let told = self.messages.len();
         let Some(work) = self.work(element, row) else {
-            if let Some(called) = self.instruction(element, row) {
+            if matches!(row.kind, Kind::Operator(_) | Kind::Calculate) {
+                let refused = self.messages.split_off(told);
+                if !self.formula_box(graph, plan, at, row.kind) && self.messages.len() == told {
+                    self.messages.extend(refused);
+                }
+            } else if let Some(called) = self.instruction(element, row) {
                 self.messages.truncate(told);
                 self.instruction_box(graph, plan, at, row, &called);
             }
@@ -50,7 +64,8 @@ impl Maker<'_> {
             }
         }
         let checked = work.checked && row.eno != Some(EnoRule::Never);
-        self.boxed(graph, plan, at, checked, |maker| {
+        let check = if checked { Check::Overflow } else { Check::Never };
+        self.boxed(graph, plan, at, check, |maker| {
             for (insn, operand) in loads.into_iter().chain(work.insns) {
                 maker.push(insn, operand);
             }
@@ -80,7 +95,7 @@ impl Maker<'_> {
             );
         }
         let one = Operand { kind: OperandKind::Literal(one), span: element.span };
-        self.boxed(graph, plan, at, true, |maker| {
+        self.boxed(graph, plan, at, Check::Overflow, |maker| {
             maker.push(StlInsn::Load, Some(operand.clone()));
             maker.push(StlInsn::Load, Some(one));
             maker.push(insn, None);
@@ -110,7 +125,7 @@ impl Maker<'_> {
             return self.refuse(element.span, format!("a MOVE of {}", ty.name()), "move a byte, word or double word");
         }
         let Some(load) = self.load(graph, at, "in", ty) else { return };
-        self.boxed(graph, plan, at, false, |maker| {
+        self.boxed(graph, plan, at, Check::Never, |maker| {
             for (at_output, output) in outputs.iter().enumerate() {
                 if at_output == 0 || types.iter().any(|other| *other != ty) {
                     load.iter().for_each(|(insn, operand)| maker.push(*insn, operand.clone()));
@@ -281,20 +296,29 @@ impl Maker<'_> {
         Some(Work { loads, insns: vec![(insn, Some(count))], result: ty, output: "out", checked: false })
     }
 
+    /// Whether anything needs the ENO of a box: an output, or the BR that it leaves.
+    pub fn saves_eno(&self, graph: &Graph, plan: &Plan, at: usize) -> bool {
+        let generated = graph.elements[at].eno != Eno::Disabled;
+        generated && (self.keeps_br || self.is_wanted(graph, plan, at, "eno"))
+    }
+
     /// Runs the statements of a box under EN, and takes its ENO.
-    fn boxed(&mut self, graph: &Graph, plan: &Plan, at: usize, checked: bool, body: impl FnOnce(&mut Self)) {
+    pub fn boxed(&mut self, graph: &Graph, plan: &Plan, at: usize, check: Check, body: impl FnOnce(&mut Self)) {
         let enable = self.input(graph, plan, at, "en");
         let wanted = self.is_wanted(graph, plan, at, "eno");
         let generated = graph.elements[at].eno != Eno::Disabled;
         let saves = wanted || (self.keeps_br && generated);
+        let failed = match check {
+            _ if !generated => None,
+            Check::Never => None,
+            Check::Overflow => Some(Operand { kind: OperandKind::Status(ast::StatusOperand::Ov), span: self.span }),
+            Check::Bit(bit) => Some(bit),
+        };
+        let is_checked = failed.is_some();
         let eno = |maker: &mut Self| {
-            if generated && checked {
-                maker.push(
-                    StlInsn::AndNot,
-                    Some(Operand { kind: OperandKind::Status(ast::StatusOperand::Ov), span: maker.span }),
-                );
-            } else {
-                maker.push(StlInsn::SetRlo, None);
+            match failed {
+                Some(failed) => maker.push(StlInsn::AndNot, Some(failed)),
+                None => maker.push(StlInsn::SetRlo, None),
             }
             maker.push(StlInsn::Save, None);
             maker.push(StlInsn::ClearRlo, None);
@@ -318,10 +342,9 @@ impl Maker<'_> {
                 self.sets_br = true;
                 body(self);
                 self.clear_wires(graph, plan, at, Some(jump));
-                if generated && checked {
+                // Otherwise JNB has set BR, which bodies of boxes leave.
+                if is_checked {
                     eno(self);
-                } else {
-                    // JNB has set BR; bodies of boxes leave it.
                 }
                 self.label(&label);
             }

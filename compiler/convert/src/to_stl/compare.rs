@@ -161,7 +161,7 @@ fn way(ty: Elementary, is_order: bool) -> Option<Way> {
 }
 
 /// A constant as one of 32 bits, which no sign fills.
-fn wide(literal: &Literal, ty: Elementary) -> Literal {
+pub fn wide(literal: &Literal, ty: Elementary) -> Literal {
     let value = match literal {
         Literal::Int(value) if ty.class() == Class::Bits && ty.bits() == 16 => i64::from(*value as u16),
         Literal::Int(value) => *value,

@@ -3,7 +3,8 @@
 //! - `plan`: which values stay in the RLO, and which need a bit of their own.
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
 //! - `elements`: contacts, coils, edges, timers, counters, jumps; `compare`: comparisons.
-//! - `boxes`: boxes with EN and ENO; `values`: their types, how inputs are loaded and outputs stored.
+//! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps.
+//! - `values`: types of boxes, how their inputs are loaded and outputs stored.
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names.
 //! - `operand`: operands of networks as operands of STL.
 //! - [`types`]: types of operands, where a box does not name its own.
@@ -14,6 +15,7 @@ mod boxes;
 mod calls;
 mod compare;
 mod elements;
+mod formula;
 mod instructions;
 mod logic;
 mod operand;
