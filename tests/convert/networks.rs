@@ -184,7 +184,7 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 11] = [
+    const FILES: [&str; 12] = [
         "addresses_take_the_type",
         "boxes/called_by_name",
         "boxes/computed_in_steps",
@@ -192,6 +192,7 @@ fn whole_files_are_converted() {
         "comparisons_by_type",
         "counters",
         "gates_dialects",
+        "indices_and_parts",
         "ranges",
         "timer_vectors",
         "wires_of_boxes_that_are_off",

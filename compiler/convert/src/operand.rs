@@ -11,6 +11,7 @@ use plcc_syntax::stl::Mnemonics;
 use plcc_syntax::stl::letters;
 
 use crate::names;
+use crate::to_stl::slice_type;
 use crate::writer::{Notation, Writer};
 
 /// An operand; its constants as the author wrote them.
@@ -116,6 +117,11 @@ pub(crate) fn value_path(path: &Path, writer: &mut Writer) -> String {
 fn parts(mut text: String, parts: &[PathPart], writer: &mut Writer) -> String {
     for part in parts {
         match part {
+            // A part of a variable: `.%X3`.
+            PathPart::Member { name, .. } if writer.notation == Notation::Stl && slice_type(name).is_some() => {
+                text.push('.');
+                text.push_str(name);
+            }
             PathPart::Member { name, span } => {
                 text.push('.');
                 text.push_str(&writer.declared(name, *span));

@@ -9,7 +9,7 @@ use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 use super::logic::Logic;
-use super::operand::block_name;
+use super::operand::{block_name, has_variable_index};
 use super::plan::Plan;
 use super::types::elementary;
 
@@ -143,6 +143,10 @@ impl Maker<'_> {
                 if matches!(path.root, ast::PathRoot::Quoted { .. }) =>
             {
                 Some(Operand { kind: OperandKind::Block(name), span })
+            }
+            (_, operand) if has_variable_index(&operand) => {
+                self.refuse(value.span, "a call of an instance that an index chooses", "name the instance");
+                None
             }
             (_, operand) => Some(operand),
         }

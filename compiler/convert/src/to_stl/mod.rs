@@ -36,6 +36,7 @@ use plcc_syntax::stl::StlInsn;
 
 use crate::from_scl::does_nothing;
 use logic::Logic;
+pub(crate) use operand::slice_type;
 use plan::Plan;
 use types::Types;
 

@@ -1,7 +1,7 @@
 //! Operands of networks as operands of STL.
 
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{BlockName, Bound, Operand, OperandKind, Path, PathPart, PathRoot};
+use plcc_syntax::ast::{BlockName, Bound, Operand, OperandKind, Path, PathPart, PathRoot, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
@@ -35,6 +35,11 @@ impl Maker<'_> {
         let mut found = operand_of(value);
         if found.is_none() {
             self.refuse(value.span, "this operand", "copy it into a variable first");
+        }
+        if !self.types.is_portal && found.as_ref().is_some_and(is_of_portal) {
+            let help = "name an S7-1500, for example with `--cpu s7-1500`, whose STL has it";
+            self.refuse(value.span, "a variable index or a part of a variable on this CPU", help);
+            return None;
         }
         // In STL the value of a function is RET_VAL.
         if let Some(Operand { kind: OperandKind::Path(Path { root: PathRoot::Local { name, .. }, .. }), .. }) =
@@ -77,7 +82,7 @@ pub(crate) fn operand_of(value: &Expr) -> Option<Operand> {
             (NameForm::Bare, Some(kind)) => kind,
             _ => whole(Path { root: root(name), parts: Vec::new(), span }),
         },
-        ExprKind::Member { .. } | ExprKind::Index { .. } => {
+        ExprKind::Member { .. } | ExprKind::Index { .. } | ExprKind::Slice { .. } => {
             let (root, parts) = path(value)?;
             whole(Path { root, parts, span })
         }
@@ -137,6 +142,18 @@ fn path(value: &Expr) -> Option<(PathRoot, Vec<PathPart>)> {
             parts.push(PathPart::Member { name: name.text.clone(), span: name.span });
             Some((root, parts))
         }
+        ExprKind::Slice { base, width, index } => {
+            let (root, mut parts) = path(base)?;
+            let letter = match width {
+                Width::Bit => 'X',
+                Width::Byte => 'B',
+                Width::Word => 'W',
+                Width::Dword => 'D',
+                Width::Lword => return None,
+            };
+            parts.push(PathPart::Member { name: format!("%{letter}{index}"), span: value.span });
+            Some((root, parts))
+        }
         ExprKind::Index { base, indices } => {
             let (root, mut parts) = path(base)?;
             let values = indices.iter().map(index).collect::<Option<Vec<Bound>>>()?;
@@ -147,10 +164,40 @@ fn path(value: &Expr) -> Option<(PathRoot, Vec<PathPart>)> {
     }
 }
 
-/// An index must be a number.
+/// An index is a number or a variable.
 fn index(value: &Expr) -> Option<Bound> {
-    match constant(value)? {
-        Literal::Int(number) => Some(Bound::Number(number, value.span)),
+    match constant(value) {
+        Some(Literal::Int(number)) => Some(Bound::Number(number, value.span)),
+        Some(_) => None,
+        None => {
+            let (root, parts) = path(value)?;
+            Some(Bound::Path(Box::new(Path { root, parts, span: value.span })))
+        }
+    }
+}
+
+/// Only STL of the S7-1500 has the operand: with an index that is a variable, or a part of a variable.
+fn is_of_portal(operand: &Operand) -> bool {
+    let OperandKind::Path(path) = &operand.kind else { return false };
+    let is_part = |part: &PathPart| matches!(part, PathPart::Member { name, .. } if slice_type(name).is_some());
+    has_variable_index(operand) || path.parts.iter().any(is_part)
+}
+
+pub(super) fn has_variable_index(operand: &Operand) -> bool {
+    let OperandKind::Path(path) = &operand.kind else { return false };
+    path.parts.iter().any(|part| match part {
+        PathPart::Member { .. } => false,
+        PathPart::Index { values, .. } => values.iter().any(|value| matches!(value, Bound::Path(_))),
+    })
+}
+
+/// The type of a part of a variable, by its name: `%X3`.
+pub(crate) fn slice_type(name: &str) -> Option<Elementary> {
+    match name.strip_prefix('%')?.chars().next()?.to_ascii_uppercase() {
+        'X' => Some(Elementary::Bool),
+        'B' => Some(Elementary::Byte),
+        'W' => Some(Elementary::Word),
+        'D' => Some(Elementary::Dword),
         _ => None,
     }
 }

@@ -12,6 +12,8 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::network::elements::{Kind, Row, find_sd};
 use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
 
+use super::operand::slice_type;
+
 /// The parameters of a call of an instruction that supplies those with the given names; none: STL has no such call.
 pub type FindInstruction = fn(&str, &[&str]) -> Option<Vec<InstructionPin>>;
 
@@ -204,6 +206,11 @@ impl<'a> Types<'a> {
             OperandKind::Literal(literal) => of_literal(literal),
             OperandKind::Absolute { width: Width::Bit, .. } => Some(Elementary::Bool),
             OperandKind::Path(path) => {
+                if let Some(PathPart::Member { name, .. }) = path.parts.last()
+                    && let Some(ty) = slice_type(name)
+                {
+                    return Some(ty);
+                }
                 let (members, rest): (Vec<&Variable>, &[PathPart]) = match &path.root {
                     PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. } if path.parts.is_empty() => {
                         let known = self.symbols.get(&name.to_lowercase()).copied();

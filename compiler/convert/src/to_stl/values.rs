@@ -110,12 +110,13 @@ impl Maker<'_> {
         let pin = element.pin(name);
         let (operand, from) = match pin.map(|pin| &pin.value) {
             Some(PinValue::Operand(value)) => {
+                let told = self.messages.len();
                 let Some(operand) = self.value_of(value, ty) else {
-                    self.refuse(
-                        value.span,
-                        format!("this constant as {}", ty.name()),
-                        "write it in the range of the type",
-                    );
+                    // An operand that STL does not have has its message.
+                    if self.messages.len() == told {
+                        let what = format!("this constant as {}", ty.name());
+                        self.refuse(value.span, what, "write it in the range of the type");
+                    }
                     return None;
                 };
                 let from = self.type_at(&operand.kind, ty);
