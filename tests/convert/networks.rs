@@ -184,7 +184,7 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 12] = [
+    const FILES: [&str; 13] = [
         "addresses_take_the_type",
         "boxes/called_by_name",
         "boxes/computed_in_steps",
@@ -195,6 +195,7 @@ fn whole_files_are_converted() {
         "indices_and_parts",
         "ranges",
         "timer_vectors",
+        "untyped_and_system_operands",
         "wires_of_boxes_that_are_off",
         "wires_with_numbers_of_calls",
     ];

@@ -2,13 +2,14 @@
 
 use plcc_syntax::ast::{Operand, OperandKind};
 use plcc_syntax::literal::Literal;
-use plcc_syntax::network::ast::Graph;
+use plcc_syntax::network::ast::{Element, Graph};
 use plcc_syntax::stl::StlInsn;
 use plcc_syntax::{Class, Elementary};
 
 use super::Maker;
 use super::logic::Logic;
 use super::plan::Plan;
+use super::values::width_of;
 
 /// A comparison of two values, one after the other.
 struct Way {
@@ -33,9 +34,23 @@ impl Maker<'_> {
     /// A comparison as a value.
     pub fn compare(&mut self, graph: &Graph, plan: &Plan, at: usize, sign: &str) -> Logic {
         let flow = self.input(graph, plan, at, "pre");
-        let Some(ty) = self.box_type(&graph.elements[at], &["in1", "in2"]) else { return Logic::Constant(false) };
+        let Some(ty) = self.type_of_comparison(&graph.elements[at]) else { return Logic::Constant(false) };
         let compared = self.compared(graph, at, ["in1", "in2"], sign, ty);
         Logic::and(vec![flow, compared.unwrap_or(Logic::Constant(false))])
+    }
+
+    /// The type of a comparison; of addresses without a type the bits of their width.
+    fn type_of_comparison(&mut self, element: &Element) -> Option<Elementary> {
+        let told = self.messages.len();
+        let ty = self.box_type(element, &["in1", "in2"]);
+        let is_set = element.templates.iter().any(|template| !template.value.trim().is_empty());
+        let types = ["in1", "in2"].into_iter().filter_map(|name| self.type_of(&element.pin(name)?.value));
+        if ty.is_some() || is_set || types.count() > 0 {
+            return ty;
+        }
+        let width = ["in1", "in2"].into_iter().find_map(|name| width_of(&element.pin(name)?.value))?;
+        self.messages.truncate(told);
+        Some(width)
     }
 
     /// IN_RANGE, OUT_RANGE.

@@ -13,6 +13,7 @@ use plcc_syntax::network::elements::{Kind, Row, find_sd};
 use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
 
 use super::operand::slice_type;
+use crate::xml::system;
 
 /// The parameters of a call of an instruction that supplies those with the given names; none: STL has no such call.
 pub type FindInstruction = fn(&str, &[&str]) -> Option<Vec<InstructionPin>>;
@@ -29,6 +30,8 @@ pub struct Types<'a> {
     function_blocks: HashMap<String, &'a BlockName>,
     /// Blocks with code, by folded names.
     blocks: HashMap<String, &'a CodeBlock>,
+    /// Components of timers and counters of the system, by folded names of their types.
+    system: HashMap<String, Vec<Variable>>,
     /// Instructions that STL calls by name.
     instructions: Option<FindInstruction>,
     /// The program is one for an S7-1200 or S7-1500.
@@ -37,7 +40,7 @@ pub struct Types<'a> {
 
 impl<'a> Types<'a> {
     pub fn new(units: impl Iterator<Item = &'a SourceUnit>, tables: &[SymbolTable]) -> Types<'a> {
-        let mut types = Types::default();
+        let mut types = Types { system: system::members().collect(), ..Types::default() };
         // The number of a block for its symbol, and its symbol for the number.
         let mut other_names = HashMap::new();
         for symbol in tables.iter().flat_map(|table| &table.symbols) {
@@ -253,7 +256,9 @@ impl<'a> Types<'a> {
         if let Some(members) = self.types.get(&key(name)) {
             return Some(members.iter().collect());
         }
-        let block = self.blocks.get(&key(name)).filter(|block| block.kind == CodeKind::Fb)?;
+        let Some(block) = self.blocks.get(&key(name)).filter(|block| block.kind == CodeKind::Fb) else {
+            return Some(self.system.get(&key(name))?.iter().collect());
+        };
         let lasting = block.sections.iter().filter(|section| section.kind != SectionKind::Temp);
         Some(lasting.flat_map(|section| &section.variables).collect())
     }

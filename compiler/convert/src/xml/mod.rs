@@ -20,7 +20,7 @@ mod library;
 mod order;
 mod scl;
 mod stl;
-mod system;
+pub(crate) mod system;
 mod wires;
 
 pub(crate) use interface::cased;
