@@ -1,9 +1,10 @@
 //! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them;
-//! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them.
+//! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them; [`languages`]: texts that stay behind.
 
 mod addresses;
 mod asserted;
 mod companions;
+mod languages;
 mod migration;
 pub mod whole;
 
@@ -176,12 +177,16 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 if matches!(to, ConvertTo::Lad | ConvertTo::Fbd) && has(unit, |code| matches!(code, Code::Stl(_))) {
                     messages.extend(asserted::of_registers(*id, &source.text, unit.mnemonics));
                 }
-                messages.extend(languages_left_out(*id, &source.text));
+                messages.extend(languages::of_export(*id, &source.text));
                 let (tags, found) = tags_beside(*id, &source.text, &parsed.tables);
                 messages.extend(found);
                 // What is made of a document names the texts of that.
                 let is_of_sd = matches!(to, ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd);
-                let own = texts.iter().find(|(unit, _)| unit == id && is_of_sd);
+                let own = texts.iter().find(|(unit, _)| unit == id);
+                if let Some((_, texts)) = own.filter(|_| !is_of_sd) {
+                    messages.extend(languages::of_document(*texts, &parsed.sources.file(*texts).text));
+                }
+                let own = own.filter(|_| is_of_sd);
                 let own = own.map(|(_, texts)| texts_beside(parsed.sources.file(*texts).text.clone()));
                 let beside = file.beside.into_iter().chain(own).chain(tags).collect();
                 files.push(Converted { name: source.name.clone(), text: file.text, beside });
@@ -302,12 +307,6 @@ fn has_quoted_types(to: ConvertTo, unit: &SourceUnit, source: &SourceFile) -> bo
         ConvertTo::Scl => unit.overlay.is_some() || is_document(source),
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Gr7 | ConvertTo::Plcopen | ConvertTo::Awl => false,
     }
-}
-
-/// A warning about the texts of an export of the TIA Portal that exist in several languages.
-fn languages_left_out(file: FileId, source: &str) -> Option<Diagnostic> {
-    let is_export = matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_)));
-    is_export.then(|| simatic_ml::languages_left_out(file, source)).flatten()
 }
 
 /// Whether a source is a document of SIMATIC SD.

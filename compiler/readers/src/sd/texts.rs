@@ -24,6 +24,8 @@ const PREFERRED: &str = "en-US";
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Texts {
     by_id: HashMap<String, String>,
+    /// A language in which a text says something else than in the one that is used.
+    other_language: Option<String>,
 }
 
 impl Texts {
@@ -55,6 +57,11 @@ impl Texts {
             }
         }
         (reader.texts, diagnostics)
+    }
+
+    /// A language whose texts are not used, although they are others.
+    pub fn other_language(&self) -> Option<&str> {
+        self.other_language.as_deref()
     }
 
     /// The text of an id.
@@ -117,6 +124,14 @@ impl Reader {
             None => *key = Some(text.to_owned()),
             Some(name) if name == "id" => self.id = Some(text.to_owned()),
             Some(language) => {
+                if let Some((taken, own)) = &self.text
+                    && own != text
+                    && !own.is_empty()
+                    && !text.is_empty()
+                {
+                    let other = if language == PREFERRED { taken } else { &language };
+                    self.texts.other_language.get_or_insert_with(|| other.clone());
+                }
                 let better = |(taken, _): &(String, String)| taken != PREFERRED && language == PREFERRED;
                 if self.text.as_ref().is_none_or(better) {
                     self.text = Some((language, text.to_owned()));

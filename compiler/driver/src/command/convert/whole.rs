@@ -12,9 +12,7 @@ use plcc_syntax::ast::{Block, Code, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::{scl, stl};
 
-use super::{
-    Converted, bound, exit, has, languages_left_out, name_by_files, other_family, remarks, store, whole_blocks,
-};
+use super::{Converted, bound, exit, has, languages, name_by_files, other_family, remarks, store, whole_blocks};
 use crate::cli::{ConvertArgs, ConvertTo};
 use crate::{inputs, pipeline, report};
 
@@ -87,7 +85,8 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     let units = units.collect();
     let (text, mut messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
     messages.extend(notes);
-    messages.extend(parsed.units.iter().filter_map(|(id, _)| languages_left_out(*id, &parsed.sources.file(*id).text)));
+    messages
+        .extend(parsed.units.iter().filter_map(|(id, _)| languages::of_export(*id, &parsed.sources.file(*id).text)));
     // Pragmas of files, such as the CPU, are comments after the first line.
     let mut pragmas: Vec<String> =
         parsed.units.iter().flat_map(|(_, unit)| &unit.pragmas).map(|one| one.text.trim().to_string()).collect();

@@ -150,6 +150,23 @@ fn data_stay_retentive_or_not() {
     assert!(said.contains("the file does not say that the data of `One` are not retentive"), "{said}");
 }
 
+/// Another notation has one language of the texts.
+#[test]
+fn languages_that_stay_behind_are_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "{ S7_BlockComment := \"MLC_1\" }\nDATA_BLOCK Store\nVAR\n    n : Int;\nEND_VAR\nEND_DATA_BLOCK\n";
+    let texts = "MultiLingualTexts:\n  - id: MLC_1\n    de-DE: Lager\n    en-US: store\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    fs::write(folder.join("a.s7res"), texts).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "scl"]);
+    assert!(text(&made.stdout).contains("// store\n"), "{}", text(&made.stdout));
+    let said = text(&made.stderr);
+    assert!(said.contains("texts in other languages are not in the new file, such as those in `de-DE`"), "{said}");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "sd", "-o", "b.s7dcl"]);
+    assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
+}
+
 /// The names in the header of a block come back from XML.
 #[test]
 fn headers_of_documents_stay() {
