@@ -1,8 +1,9 @@
-//! Titles and comments in several languages, of which a tree has only the first.
+//! Texts that a tree does not have: titles and comments in other languages than the first, comments of elements of arrays and of boxes.
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use roxmltree::Node;
 
+use super::reader::first_text;
 use crate::xml::{child, children, head, is, text_of};
 
 /// A warning that the texts of an export in other languages stay behind when it is written in another notation; none if it has none.
@@ -20,6 +21,25 @@ pub fn languages_left_out(file: FileId, text: &str) -> Option<Diagnostic> {
         }
     };
     Some(message.label("only the first language of a text is written").help(help))
+}
+
+/// A warning that the comments of elements of arrays, and of elements of networks, stay behind; none if there are none.
+pub fn comments_left_out(file: FileId, text: &str) -> Option<Diagnostic> {
+    let document = crate::xml::parse(text).ok()?;
+    let is_place = |node: Node| ["Subelement", "Part", "Call"].iter().any(|name| is(node, name));
+    let is_left =
+        |node: &Node| is(*node, "Comment") && node.parent().is_some_and(is_place) && first_text(*node).is_some();
+    let found: Vec<Node> = document.root().descendants().filter(is_left).collect();
+    let first = *found.first()?;
+    let of = if first.parent().is_some_and(|node| is(node, "Subelement")) { "an element of an array" } else { "a box" };
+    let title = format!("the comment of {of} is not in the new file");
+    let mut message = Diagnostic::new(Code::NotConverted, Span::new(file, head(first)), title);
+    message.severity = Severity::Warning;
+    let help = match found.len() {
+        1 => "write it at the variable or the network".to_string(),
+        count => format!("there are {count} of them: write them at the variables or the networks"),
+    };
+    Some(message.label("only variables, networks and blocks have comments there").help(help))
 }
 
 /// The first text of an object or a declaration that says something else in another language, with the language. Tag tables are copied

@@ -39,7 +39,7 @@ use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use crate::ReadOptions;
 use crate::spelling;
 use crate::xml::{self, XmlKind, head, objects};
-pub use languages::languages_left_out;
+pub use languages::{comments_left_out, languages_left_out};
 use overlay::Overlay;
 use plcc_syntax::ast::SourceUnit;
 use reader::Reader;

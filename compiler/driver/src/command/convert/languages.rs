@@ -5,10 +5,13 @@ use plcc_readers::sd::Texts;
 use plcc_readers::simatic_ml;
 use plcc_readers::xml::XmlKind;
 
-/// In an export of the TIA Portal.
-pub fn of_export(file: FileId, source: &str) -> Option<Diagnostic> {
-    let is_export = matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_)));
-    is_export.then(|| simatic_ml::languages_left_out(file, source)).flatten()
+/// In an export of the TIA Portal; also of comments that no other file has.
+pub fn of_export(file: FileId, source: &str) -> Vec<Diagnostic> {
+    if !matches!(plcc_readers::xml::kind(source), Some(XmlKind::SimaticMl(_))) {
+        return Vec::new();
+    }
+    let languages = simatic_ml::languages_left_out(file, source);
+    languages.into_iter().chain(simatic_ml::comments_left_out(file, source)).collect()
 }
 
 /// In the texts (`.s7res`) of a document of SIMATIC SD.

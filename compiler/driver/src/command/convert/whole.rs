@@ -85,8 +85,7 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     let units = units.collect();
     let (text, mut messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
     messages.extend(notes);
-    messages
-        .extend(parsed.units.iter().filter_map(|(id, _)| languages::of_export(*id, &parsed.sources.file(*id).text)));
+    messages.extend(parsed.units.iter().flat_map(|(id, _)| languages::of_export(*id, &parsed.sources.file(*id).text)));
     // Pragmas of files, such as the CPU, are comments after the first line.
     let mut pragmas: Vec<String> =
         parsed.units.iter().flat_map(|(_, unit)| &unit.pragmas).map(|one| one.text.trim().to_string()).collect();

@@ -86,6 +86,13 @@ fn comments_in_several_languages_stay() {
     <AttributeList>
       <Interface><Sections xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v5">
   <Section Name="Temp">
+    <Member Name="list" Datatype="Array[0..1] of Int">
+      <Subelement Path="1">
+        <Comment>
+          <MultiLanguageText Lang="de-DE">zweites Element</MultiLanguageText>
+        </Comment>
+      </Subelement>
+    </Member>
     <Member Name="n" Datatype="Int">
       <Comment>
         <MultiLanguageText Lang="de-DE">Zahl</MultiLanguageText>
@@ -126,7 +133,8 @@ fn comments_in_several_languages_stay() {
     let said = text(&made.stderr);
     let title = "texts in other languages are not in the new file, such as this one in `en-US`";
     assert!(said.contains(title) && said.contains("2 texts have several languages"), "{said}");
-    let wanted = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    n : Int;                    // Zahl\nEND_VAR\nBEGIN\n    // Anfang\n    \
+    assert!(said.contains("the comment of an element of an array is not in the new file"), "{said}");
+    let wanted = "FUNCTION \"F\" : VOID\nVAR_TEMP\n    list : Array[0..1] of Int;\n    n : Int;                    // Zahl\nEND_VAR\nBEGIN\n    // Anfang\n    \
                   #n := 5;\nEND_FUNCTION\n";
     assert_eq!(found, wanted);
 }
