@@ -39,12 +39,14 @@ impl Writer<'_> {
             Code::Chart(_) => None,
         };
         let begin = self.trivia.word("BEGIN", block.name.span().end, first.unwrap_or(block.span.end));
-        let start = block.sections.iter().map(|section| section.span.start).min().or(begin);
+        let sections = block.sections.iter().map(|section| section.span.start);
+        let constants = block.constants.first().and_then(|first| {
+            let word = |word| self.trivia.word(word, block.name.span().end, first.name_span.start);
+            word("CONST").or_else(|| word("VAR"))
+        });
+        let start = sections.chain(constants).min().or(begin);
         self.header(&block.header, &block.name, block.kind == CodeKind::Ob, start);
-        for section in &block.sections {
-            self.section(section);
-        }
-        self.constants(&block.constants);
+        self.declarations(block);
         if let Code::Scl(body) = &block.code {
             self.labels(&body.labels);
         }
@@ -189,6 +191,16 @@ impl Writer<'_> {
     /// Classic SCL quotes nothing, but the names of AUTHOR and FAMILY may contain blanks only in quotes.
     fn quotes_header(&self) -> bool {
         self.notation == Notation::Scl
+    }
+
+    /// The sections and the constants of a block in their order: in S7-SCL a constant is declared before it is a bound.
+    pub(crate) fn declarations(&mut self, block: &CodeBlock) {
+        let first = block.constants.first().map(|constant| constant.name_span.start);
+        let is_before = |section: &&Section| first.is_none_or(|first| section.span.start < first);
+        let (before, after) = block.sections.split_at(block.sections.iter().take_while(is_before).count());
+        before.iter().for_each(|section| self.section(section));
+        self.constants(&block.constants);
+        after.iter().for_each(|section| self.section(section));
     }
 
     pub(crate) fn section(&mut self, section: &Section) {

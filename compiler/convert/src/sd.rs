@@ -123,8 +123,7 @@ impl Writer<'_> {
         self.attribute_line(&after_head);
         self.flags(&block.header);
         self.out.indent();
-        block.sections.iter().for_each(|section| self.section(section));
-        self.constants(&block.constants);
+        self.declarations(block);
         match &block.code {
             Code::Graphic(body) => body.networks.iter().for_each(|network| self.sd_network(network, texts)),
             Code::Scl(body) => self.scl_network(&body.statements, end),

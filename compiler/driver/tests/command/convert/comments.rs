@@ -139,6 +139,17 @@ fn comments_in_several_languages_stay() {
     assert_eq!(found, wanted);
 }
 
+/// Constants stay before the variables that need them, with their comments.
+#[test]
+fn constants_stay_in_their_place() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION \"F\" : VOID\n// about F\nCONST\n    // how many\n    MAX := 10;                  // at most\nEND_CONST\n\
+                  VAR_TEMP\n    a : ARRAY[1..MAX] OF INT;   // values\nEND_VAR\nBEGIN\n    a[1] := MAX;\nEND_FUNCTION\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    assert_eq!(text(&plcc(folder, &["convert", "a.scl", "--to", "scl"]).stdout), source);
+}
+
 /// Comments of a block and of a structure are not those of the variable after them.
 #[test]
 fn comments_of_structures_stay_with_them() {
