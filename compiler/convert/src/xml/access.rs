@@ -126,7 +126,7 @@ fn components(value: &Expr, node: &mut Node, block: &CodeBlock, uids: &mut Uids,
                 Width::Dword => "d",
                 Width::Lword => "l",
             };
-            node.children.last_mut()?.attributes.push(("SliceAccessModifier", format!("{letter}{index}")));
+            push_slice(node.children.last_mut()?, format!("{letter}{index}"));
             Some(root)
         }
         ExprKind::Dereference(base) => {
@@ -146,6 +146,33 @@ fn components(value: &Expr, node: &mut Node, block: &CodeBlock, uids: &mut Uids,
         }
         _ => None,
     }
+}
+
+/// Makes a component a part of itself, `x3`. A part of a part is one, too: the file has only one for each component.
+pub fn push_slice(component: &mut Node, slice: String) {
+    match component.attributes.iter_mut().find(|(key, _)| *key == "SliceAccessModifier") {
+        Some((_, outer)) => *outer = inside(outer, &slice).unwrap_or(slice),
+        None => component.attributes.push(("SliceAccessModifier", slice)),
+    }
+}
+
+/// `x56` of `b7` and `x0`.
+fn inside(outer: &str, inner: &str) -> Option<String> {
+    let parts = |slice: &str| {
+        let (letter, index) = slice.split_at_checked(1)?;
+        let bits = match letter {
+            "x" => 1_u64,
+            "b" => 8,
+            "w" => 16,
+            "d" => 32,
+            "l" => 64,
+            _ => return None,
+        };
+        Some((bits, index.parse::<u64>().ok()?))
+    };
+    let ((outer_bits, outer), (bits, index)) = (parts(outer)?, parts(inner)?);
+    let first = outer.checked_mul(outer_bits)? / bits;
+    Some(format!("{}{}", &inner[..1], first.checked_add(index)?))
 }
 
 fn component(name: &Name) -> Node {

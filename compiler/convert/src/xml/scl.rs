@@ -209,7 +209,7 @@ impl<'a> Maker<'a> {
                 }
                 (".", next) if next.starts_with('%') && slice(&next[1..]).is_some() => {
                     let Some(last) = symbol.children.last_mut() else { break };
-                    last.attributes.push(("SliceAccessModifier", slice(&next[1..]).unwrap_or_default()));
+                    access::push_slice(last, slice(&next[1..]).unwrap_or_default());
                     self.at += 2;
                 }
                 ("[", _) => {

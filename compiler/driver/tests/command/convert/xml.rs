@@ -344,6 +344,25 @@ fn classes_of_organization_blocks_come_back() {
     assert!(document.starts_with("{ S7_EventClass := \"Startup\"; S7_Version := \"0.1\" }\n"), "{document}");
 }
 
+/// A part of a part of a variable is one part of it.
+#[test]
+fn parts_of_parts_are_one() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1500\nFUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    d : DWord;\nEND_VAR\nBEGIN\n    \
+                  #d.%W1.%B1.%X2 := TRUE;\n    //@ assert #d == DW#16#0400_0000\nEND_FUNCTION_BLOCK\n\
+                  DATA_BLOCK \"D\"\n\"F\"\nBEGIN\nEND_DATA_BLOCK\n\
+                  ORGANIZATION_BLOCK \"Main\"\nBEGIN\n    \"D\"();\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    assert!(document.contains("<Component Name=\"d\" SliceAccessModifier=\"x26\"/>"), "{document}");
+    let tested = plcc(folder, &["test", "a.xml"]);
+    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(said.contains("1 passed, 0 failed"), "{said}");
+}
+
 /// The TIA Portal writes the data of timers and counters with their components: in XML they are instances.
 #[test]
 fn data_of_instructions_become_instances() {
