@@ -3,8 +3,8 @@
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    Bound, CodeBlock, CodeKind, InitialKind, InitialValue, PathPart, PathRoot, Retain, Section, SectionKind, TypeKind,
-    TypeRef, ValueAssignment, Variable,
+    Bound, CodeBlock, CodeKind, Constant, InitialKind, InitialValue, PathPart, PathRoot, Retain, Section, SectionKind,
+    TypeKind, TypeRef, ValueAssignment, Variable,
 };
 use plcc_syntax::literal::Literal;
 
@@ -31,39 +31,30 @@ pub fn of_code(block: &CodeBlock, library: &Library, writer: &mut Writer) -> Nod
             (SectionKind::Temp, "Temp"),
         ],
     };
+    // Comments are met in the order of the text.
+    let mut order: Vec<usize> = (0..block.sections.len()).collect();
+    order.sort_by_key(|at| block.sections[*at].span.start);
+    let first_constant = block.constants.first().map(|constant| constant.name_span.start);
+    let mut constants = None;
+    let mut members: Vec<Vec<Node>> = vec![Vec::new(); block.sections.len()];
+    for at in order {
+        let section = &block.sections[at];
+        if constants.is_none() && first_constant.is_some_and(|first| first < section.span.start) {
+            constants = Some(of_constants(&block.constants, library, writer));
+        }
+        members[at] = of_section(section, library, writer);
+    }
+    let constants = constants.unwrap_or_else(|| of_constants(&block.constants, library, writer));
     for (kind, name) in kinds {
-        let own: Vec<&Section> = block.sections.iter().filter(|section| section.kind == *kind).collect();
-        if *kind == SectionKind::Static && !is_fb && own.is_empty() {
+        let is_own = |section: &Section| section.kind == *kind;
+        if *kind == SectionKind::Static && !is_fb && !block.sections.iter().any(is_own) {
             continue;
         }
         let mut node = Node::new("Section").with("Name", name);
-        for section in own {
-            for variable in &section.variables {
-                let mut member = member(variable, library, writer);
-                match section.retain {
-                    Retain::Retain => member.attributes.push(("Remanence", "Retain".to_string())),
-                    Retain::DbSpecific => member.attributes.push(("Remanence", "SetInIDB".to_string())),
-                    Retain::NonRetain | Retain::Unsaid => {}
-                }
-                node.push(member);
-            }
+        for (_, own) in block.sections.iter().zip(&members).filter(|(section, _)| is_own(section)) {
+            node.children.extend(own.iter().cloned());
         }
         sections.push(node);
-    }
-    let mut constants = Node::new("Section").with("Name", "Constant");
-    for constant in &block.constants {
-        let Some(ty) = &constant.ty else {
-            let title = format!("SimaticML has no constant without a type: `{}`", constant.name);
-            writer.refuse(constant.name_span, title, "declare it in VAR CONSTANT, with its type");
-            continue;
-        };
-        let mut node = typed(&constant.name, ty, library, writer);
-        if let Some(value) = &constant.value {
-            node.push(Node::of("StartValue", expression::text(value, writer)));
-        } else if let Some(value) = &constant.initial {
-            start_values(value, ty, &mut node, library, writer);
-        }
-        constants.push(node);
     }
     sections.push(constants);
     if matches!(block.kind, CodeKind::Fc | CodeKind::Sfc) {
@@ -74,6 +65,73 @@ pub fn of_code(block: &CodeBlock, library: &Library, writer: &mut Writer) -> Nod
         sections.push(Node::new("Section").with("Name", "Return").child(member));
     }
     Node::new("Interface").child(sections)
+}
+
+/// The members of a section.
+fn of_section(section: &Section, library: &Library, writer: &mut Writer) -> Vec<Node> {
+    let mut found = Vec::new();
+    for variable in &section.variables {
+        let mut member = member(variable, library, writer);
+        match section.retain {
+            Retain::Retain => member.attributes.push(("Remanence", "Retain".to_string())),
+            Retain::DbSpecific => member.attributes.push(("Remanence", "SetInIDB".to_string())),
+            Retain::NonRetain | Retain::Unsaid => {}
+        }
+        found.push(member);
+    }
+    // What stands at the end of a section is not about the next one.
+    if let Some(last) = found.last_mut() {
+        let mut rest = writer.trivia.before(section.span.end);
+        rest.retain(|remark| !writer.is_written(&remark.text));
+        let lines: Vec<String> = rest.iter().map(|remark| bare(&remark.text)).collect();
+        add_comment(last, &lines);
+    }
+    found
+}
+
+fn of_constants(constants: &[Constant], library: &Library, writer: &mut Writer) -> Node {
+    let mut section = Node::new("Section").with("Name", "Constant");
+    for constant in constants {
+        let Some(ty) = &constant.ty else {
+            let title = format!("SimaticML has no constant without a type: `{}`", constant.name);
+            writer.refuse(constant.name_span, title, "declare it in VAR CONSTANT, with its type");
+            continue;
+        };
+        let mut remarks = writer.trivia.before(constant.name_span.start);
+        remarks.retain(|remark| !writer.is_written(&remark.text));
+        let mut node = typed(&constant.name, ty, library, writer);
+        let end = constant.value.as_ref().map(|value| value.span.end);
+        let end = end.or(constant.initial.as_ref().map(|value| value.span.end)).unwrap_or(ty.span.end);
+        remarks.extend(writer.trivia.on_line(end));
+        let lines: Vec<String> = remarks.iter().map(|remark| bare(&remark.text)).collect();
+        add_comment(&mut node, &lines);
+        if let Some(value) = &constant.value {
+            node.push(Node::of("StartValue", expression::text(value, writer)));
+        } else if let Some(value) = &constant.initial {
+            start_values(value, ty, &mut node, library, writer);
+        }
+        section.push(node);
+    }
+    section
+}
+
+/// Adds lines to the comment of a member.
+fn add_comment(member: &mut Node, lines: &[String]) {
+    if lines.is_empty() {
+        return;
+    }
+    let text = lines.join("\n");
+    let own = member.children.iter_mut().find(|child| child.name == "Comment");
+    match own.and_then(|comment| comment.children.first_mut()) {
+        Some(own) => own.text = Some(format!("{}\n{text}", own.text.as_deref().unwrap_or_default())),
+        None => {
+            // Values come after it.
+            let is_value = |child: &Node| matches!(child.name, "StartValue" | "Subelement" | "Sections");
+            let at = member.children.iter().position(is_value).unwrap_or(member.children.len());
+            let text = Node::of("MultiLanguageText", text).with("Lang", "en-US");
+            member.children.insert(at, Node::new("Comment").child(text));
+        }
+    }
 }
 
 fn sections() -> Node {

@@ -36,7 +36,7 @@ pub fn remarks(file: &str, overlay: &str) -> Remarks {
         }
         let Some((text, form)) = comment(node) else { continue };
         let start = node.range().start;
-        let own_line = line.is_blank_before(start);
+        let own_line = line.is_blank_before(start) && !is_of_constant(node);
         if text.len() <= node.range().len()
             && let Some(range) = put(&mut found.text, &text, start)
         {
@@ -65,7 +65,15 @@ fn is_code(node: Node) -> bool {
     is(node, "StructuredText") || is(node, "StatementList")
 }
 
-/// A comment between statements, or a pragma of the file.
+/// Whether a node is the comment of a constant, which has none in the tree.
+fn is_of_constant(node: Node) -> bool {
+    let is_constants = |outer: Node| is(outer, "Section") && outer.attribute("Name") == Some("Constant");
+    is(node, "Comment")
+        && node.parent().is_some_and(|member| is(member, "Member"))
+        && node.ancestors().any(is_constants)
+}
+
+/// A comment between statements or of a constant, or a pragma of the file.
 fn comment(node: Node) -> Option<(String, CommentForm)> {
     if node.is_comment() {
         let text = node.text()?.trim().strip_prefix('@')?.trim();
@@ -73,7 +81,8 @@ fn comment(node: Node) -> Option<(String, CommentForm)> {
     }
     // Statements have comments in one language, and in several.
     let is_line = is(node, "LineComment");
-    if !(is_line || is(node, "Comment")) || !node.ancestors().any(is_code) {
+    let is_comment = is_line || is(node, "Comment");
+    if !is_comment || !(node.ancestors().any(is_code) || is_of_constant(node)) {
         return None;
     }
     let text = if is_line { raw_text_of(node) } else { first_text(node)? };

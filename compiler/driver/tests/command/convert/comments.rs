@@ -139,6 +139,30 @@ fn comments_in_several_languages_stay() {
     assert_eq!(found, wanted);
 }
 
+/// Sections have another order in XML, and comments stay with their declarations.
+#[test]
+fn comments_of_sections_stay_with_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK \"Order\"\nVERSION : 0.1\nVAR\n    // about a\n    a : Int; // of a\n    // the last\nEND_VAR\n\
+                  VAR_TEMP\n    t : Int; // of t\nEND_VAR\nVAR_INPUT\n    i : Int; // of i\nEND_VAR\n\
+                  VAR CONSTANT\n    K : Int := 5; // of K\nEND_VAR\nVAR_IN_OUT\n    io : Int; // of io\nEND_VAR\nBEGIN\n    \
+                  // first\n    #a := #i;\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    for found in [
+        "VAR_INPUT\n    i : Int;                    // of i\nEND_VAR\n",
+        "VAR_IN_OUT\n    io : Int;                   // of io\nEND_VAR\n",
+        "VAR\n    // about a\n    // of a\n    // the last\n    a : Int;\nEND_VAR\n",
+        "VAR_TEMP\n    t : Int;                    // of t\nEND_VAR\n",
+        "VAR CONSTANT\n    K : Int := 5;               // of K\nEND_VAR\nBEGIN\n    // first\n    #a := #i;\n",
+    ] {
+        assert!(back.contains(found), "{found} in\n{back}");
+    }
+}
+
 /// Constants stay before the variables that need them, with their comments.
 #[test]
 fn constants_stay_in_their_place() {
