@@ -245,6 +245,8 @@ async function small(tab) {
   for (const view of ["table", "force", "cpu-view", "buffer", "program"]) {
     await show(tab, view);
     await until(tab, `${view} within the screen`, `document.documentElement.scrollWidth <= 390 && document.querySelector("main").scrollWidth <= 390`);
+    const button = `document.querySelector("nav [aria-current]").getBoundingClientRect()`;
+    await until(tab, `the name of ${view}`, `${button}.left > -1 && ${button}.right < 391`);
   }
   await open(tab, "FC1");
   const line = `[...${page}.querySelectorAll(".ln")].find((line) => /=\\s+Q 0.0/.test(line.firstChild.textContent))`;

@@ -396,6 +396,8 @@ function show(name) {
     if (button.dataset.view === name) button.setAttribute("aria-current", "page");
     else button.removeAttribute("aria-current");
   }
+  // A small screen has no room for all of them.
+  document.querySelector("nav [aria-current]").scrollIntoView({ block: "nearest", inline: "nearest" });
   view.open();
 }
 for (const button of document.querySelectorAll("nav button")) button.onclick = () => { location.hash = button.dataset.view; };
