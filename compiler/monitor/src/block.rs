@@ -2,6 +2,7 @@
 
 use crate::document::{Code, Page, Section};
 use crate::drawing::Drawing;
+use crate::forcing::Forcing;
 use crate::listing::{self, Listing};
 use crate::messages::{Activation, Order, StatusNews, Step};
 use crate::row::{Row, Tone, clock, piece};
@@ -13,6 +14,7 @@ pub struct Block {
     /// Its networks; they are made when it is known what the program tells of them.
     contents: Vec<Content>,
     status: Status,
+    forcing: Forcing,
     /// The call that is wanted; `None`: the first one in a cycle.
     call: Option<String>,
     /// Number of the order whose news are shown; 0: of none.
@@ -30,11 +32,12 @@ enum Content {
 
 impl Block {
     /// A block of which no status is known. `note`: why.
-    pub fn new(page: Page, note: &str) -> Block {
+    pub fn new(page: Page, forcing: Forcing, note: &str) -> Block {
         let mut block = Block {
             page,
             contents: Vec::new(),
             status: Status::default(),
+            forcing,
             call: None,
             turn: 0,
             note: note.to_string(),
@@ -106,6 +109,12 @@ impl Block {
         true
     }
 
+    /// These operands are forced.
+    pub fn force(&mut self, forcing: Forcing) {
+        self.forcing = forcing;
+        self.make();
+    }
+
     /// What the program tells.
     pub fn take(&mut self, news: StatusNews) {
         if news.turn != self.turn {
@@ -140,7 +149,7 @@ impl Block {
             }
             rows.extend(match content {
                 Content::Lines(listing) => listing.rows(&self.status),
-                Content::Drawing(drawing) => drawing.rows(&self.status),
+                Content::Drawing(drawing) => drawing.rows(&self.status, &self.forcing),
             });
             rows.push(Row::new());
         }

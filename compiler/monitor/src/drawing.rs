@@ -12,6 +12,7 @@ use std::collections::{BTreeSet, HashMap};
 use serde_json::Value;
 
 use crate::flow::{Logic, flow};
+use crate::forcing::Forcing;
 use crate::messages::Step;
 use crate::picture::{self, Anchor, Glyph, Item, columns};
 use crate::row::{Piece, Row, Tone};
@@ -67,6 +68,8 @@ pub struct Drawing {
     lines: Vec<Vec<Cell>>,
     /// Values that are written where they fit: line, column, where the column is in the text, and place of the operand.
     values: Vec<(usize, i32, Anchor, u32)>,
+    /// Texts of operands: line, first column, number of columns, and address.
+    operands: Vec<(usize, i32, i32, String)>,
     logic: Logic,
     /// Place of the operand of each contact, and whether it is open at 1.
     contacts: HashMap<usize, (u32, bool)>,
@@ -86,7 +89,13 @@ impl Drawing {
         let logic = logic.cloned().unwrap_or_default();
         let contacts = logic.contacts.iter().map(|&(part, place, open)| (part, (place, open))).collect();
         let heights = Heights::of(&items);
-        let mut drawing = Drawing { lines: vec![Vec::new(); heights.count()], values: Vec::new(), logic, contacts };
+        let mut drawing = Drawing {
+            lines: vec![Vec::new(); heights.count()],
+            values: Vec::new(),
+            operands: Vec::new(),
+            logic,
+            contacts,
+        };
         for item in &items {
             drawing.line(item, &heights);
         }
@@ -238,7 +247,7 @@ impl Drawing {
                 };
                 self.letters(line, column, "o", &net.map_or(Owner::Line, Owner::Net));
             }
-            Item::Text { x, y, anchor, text, tone, is_pin, place } => {
+            Item::Text { x, y, anchor, text, tone, is_pin, key, place } => {
                 let line = heights.line(*y);
                 if let (Tone::Value, Some(place)) = (tone, place) {
                     self.values.push((line, x.div_euclid(COLUMN), *anchor, *place));
@@ -257,6 +266,9 @@ impl Drawing {
                     (None, _) => Owner::Text(*tone),
                 };
                 self.letters(line, column, text, &owner);
+                if !key.is_empty() {
+                    self.operands.push((line, column, columns(text), key.clone()));
+                }
             }
             Item::Line { .. } | Item::Frame { .. } => {}
         }
@@ -275,7 +287,7 @@ impl Drawing {
     }
 
     /// The drawing with what is known now.
-    pub fn rows(&self, status: &Status) -> Vec<Row> {
+    pub fn rows(&self, status: &Status, forcing: &Forcing) -> Vec<Row> {
         let nets = flow(&self.logic, status);
         let bit = |value: Option<bool>| match value {
             Some(true) => Tone::On,
@@ -310,6 +322,14 @@ impl Drawing {
                     .collect()
             })
             .collect();
+        for (line, column, width, _) in self.operands.iter().filter(|(.., key)| forcing.has(key)) {
+            let columns = (*column..column.saturating_add(*width)).filter_map(|column| usize::try_from(column).ok());
+            for column in columns {
+                if let Some(cell) = rows[*line].get_mut(column) {
+                    cell.1 = Tone::Forced;
+                }
+            }
+        }
         for (line, column, anchor, place) in &self.values {
             let Some(value) = status.operand_at(*place) else { continue };
             let value = text(value);

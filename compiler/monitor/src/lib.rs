@@ -2,7 +2,7 @@
 //!
 //! - [`model`]: what is known and shown, and what keys do; [`tree`](mod@tree): the lines of its tree.
 //! - [`block`]: an open block as lines. [`status`]: what its statements see; [`listing`]: that beside its text; [`drawing`]: that in its
-//!   networks and charts, whose [`picture`] has the [`flow`](mod@flow) of power.
+//!   networks and charts, whose [`picture`] has the [`flow`](mod@flow) of power; [`forcing`]: which operands are forced.
 //! - [`draw`]: the picture of the model; [`row`]: lines in pieces that look alike.
 //! - [`messages`]: what the connection tells, as JSON; [`document`]: the blocks of the program.
 //! - [`connection`]: the thread that speaks with the CPU, and starts again when the connection is lost.
@@ -15,6 +15,7 @@ pub mod document;
 pub mod draw;
 pub mod drawing;
 pub mod flow;
+pub mod forcing;
 pub mod listing;
 pub mod messages;
 pub mod model;

@@ -108,6 +108,8 @@ pub struct Step {
 pub struct Forced {
     pub name: String,
     pub value: String,
+    #[serde(default)]
+    pub address: String,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -121,6 +123,9 @@ pub struct Hello {
     /// The CPU has a cold restart besides the warm one.
     #[serde(default)]
     pub has_cold: bool,
+    /// Forcing is at the modules, direct access to them included.
+    #[serde(default)]
+    pub force_modules: bool,
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]

@@ -260,6 +260,8 @@ impl Model {
         }
         if let Some(forced) = forced {
             self.forced = forced;
+            let forcing = self.forcing();
+            self.block.iter_mut().for_each(|block| block.force(forcing.clone()));
         }
         if let Some(refused) = refused {
             self.refused = refused;

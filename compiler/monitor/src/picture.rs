@@ -22,8 +22,8 @@ pub enum Item {
     Circle { x: i32, y: i32, net: Option<usize> },
     /// The tip of an arrow that points down.
     Arrow { x: i32, y: i32 },
-    /// A text; `y` is its middle. `place`: of the operand in the source.
-    Text { x: i32, y: i32, anchor: Anchor, text: String, tone: Tone, is_pin: bool, place: Option<u32> },
+    /// A text; `y` is its middle. Of an operand: its address, and its place in the source.
+    Text { x: i32, y: i32, anchor: Anchor, text: String, tone: Tone, is_pin: bool, key: String, place: Option<u32> },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,7 +113,8 @@ pub fn items(svg: &str) -> Vec<Item> {
                     _ => Tone::Plain,
                 };
                 let place = of("data-o").and_then(|place| place.parse().ok());
-                items.push(Item::Text { x, y: y - MIDDLE, anchor, text, tone, is_pin: class == "p", place });
+                let key = of("data-k").map(unescaped).unwrap_or_default();
+                items.push(Item::Text { x, y: y - MIDDLE, anchor, text, tone, is_pin: class == "p", key, place });
             }
             _ => {}
         }

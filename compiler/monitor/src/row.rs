@@ -28,6 +28,8 @@ pub enum Tone {
     Active,
     /// A step whose supervision has found a fault.
     Faulty,
+    /// An operand with forced bits.
+    Forced,
 }
 
 pub fn piece(text: impl Into<String>, tone: Tone) -> Piece {

@@ -63,7 +63,7 @@ fn model(role: &str) -> Model {
         list: Some(1),
         values: vec![(0, shown("16#002A", "WORD")), (1, shown("1", "BOOL"))],
         wrong: vec![(2, "`Nobody` is not a name".to_string())],
-        forced: Some(vec![Forced { name: "I0.0".to_string(), value: "1".to_string() }]),
+        forced: Some(vec![Forced { name: "I0.0".to_string(), value: "1".to_string(), address: "I0.0".to_string() }]),
         ..News::default()
     })));
     model
@@ -278,6 +278,7 @@ fn no_key_and_no_news_do_harm() {
         role: plcc_abi::services::Role::Look,
         watchable: true,
         has_cold: false,
+        force_modules: true,
     };
     for round in 0..3 {
         keys(&mut model, "t\n↓↑\tmfud\n↑↓\t\n/x\n\ta\n");

@@ -35,5 +35,6 @@ fn style(tone: Tone) -> Style {
         Tone::Value => Style::new().fg(Color::Yellow),
         Tone::Active => colored(Color::Green),
         Tone::Faulty => colored(Color::Red),
+        Tone::Forced => colored(Color::Yellow),
     }
 }

@@ -5,6 +5,7 @@ use ratatui::crossterm::event::KeyCode;
 use super::{Model, Part, Wanted};
 use crate::block::Block;
 use crate::document::Page;
+use crate::forcing::Forcing;
 use crate::messages::Order;
 use crate::status::Place;
 
@@ -22,8 +23,13 @@ impl Model {
         if is_watchable {
             self.wanted.push(Wanted::Places(page.key()));
         }
-        self.block = Some(Block::new(page, note));
+        self.block = Some(Block::new(page, self.forcing(), note));
         self.part = Part::Block;
+    }
+
+    pub(super) fn forcing(&self) -> Forcing {
+        let modules = self.hello.as_ref().is_some_and(|hello| hello.force_modules);
+        Forcing::new(self.forced.iter().map(|forced| forced.address.as_str()), modules)
     }
 
     /// The block that is open is another one, or its connection is.

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{check, keys, model, picture};
 use crate::connection::Incoming;
 use crate::document::pages_of;
-use crate::messages::{Entry, News, Order, State, StatusNews};
+use crate::messages::{Entry, Forced, News, Order, State, StatusNews};
 use crate::model::{Model, Part, Wanted};
 use crate::row::{Row, Tone};
 use crate::status::Place;
@@ -166,6 +166,16 @@ fn a_network_is_drawn_with_its_power_flow() {
     // Only what has changed is told.
     see(&mut model, json!({"turn": 1, "call": [0, 1300], "seen": [[1, null], [2, null]]}));
     assert_eq!(parts(&model, Tone::Unknown), ["─────"], "after a contact that was not reached");
+}
+
+#[test]
+fn forced_operands_are_marked_in_drawings() {
+    let mut model = opened(1, "OB1", ladder_places());
+    for (address, expected) in [("I0.1", &["I0.1"][..]), ("IB0", &["I0.1"]), ("IB1", &[]), ("QW0", &["Q0.0"])] {
+        let forced = Forced { name: "switch".to_string(), value: "1".to_string(), address: address.to_string() };
+        model.take(Incoming::News(Box::new(News { forced: Some(vec![forced]), ..News::default() })));
+        assert_eq!(parts(&model, Tone::Forced), expected, "{address}");
+    }
 }
 
 #[test]
