@@ -182,3 +182,34 @@ fn all(values: &[Option<bool>]) -> Option<bool> {
         Some(true)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{from_value, json};
+
+    use super::*;
+    use crate::messages::StatusNews;
+
+    #[test]
+    fn what_is_not_told_follows_from_operands() {
+        let logic = json!({"nets": [
+            [["r"]],
+            [["|", ["I0.0", false, 1], ["I0.1", false, 5]]],
+            [["^", ["I0.0", false, 1], ["TRUE", false]]],
+            [["?", 0, ">=", "MW0", "7", false, [10, 20, true]]],
+            [["&", [1, false], [3, true]]],
+            [["u"]],
+            [["?", 5, "<", "MW0", "7", false, [10, 20, false]]],
+            [],
+            [["&", [9, false]]],
+            [["&", [8, false]], ["&", ["I0.2", true]]],
+        ]});
+        let logic: Logic = from_value(logic).expect("it is what the page gets");
+        let places = json!([[1, 3, "variable"], [5, 7, "variable"], [8, 30, "value"], [10, 25, "value"]]);
+        let mut status = Status::new(from_value(places).expect("they are places"));
+        let seen = vec![(0, json!(false)), (1, json!(true)), (2, json!(false)), (3, json!(true))];
+        status.take(StatusNews { seen, ..StatusNews::default() });
+        let expected = [(0, true), (1, true), (2, true), (3, false), (4, true)];
+        assert_eq!(flow(&logic, &status), HashMap::from(expected));
+    }
+}
