@@ -317,7 +317,11 @@ impl Context {
                 let period = self.time_of_day_period(every.as_ref());
                 if !is_date_and_time(start.get_ref()) {
                     let title = format!("`{}` is not a date and time", start.get_ref());
-                    return self.report(start.span(), title, "write `2026-01-31T06:00:00`");
+                    let help = match meant_date(start.get_ref()) {
+                        Some(meant) => format!("write `{meant}`"),
+                        None => "write year, month, day and time, as in `2026-01-31T06:00:00`".to_string(),
+                    };
+                    return self.report(start.span(), title, &help);
                 }
                 config.time_of_day.push(TimeOfDay { ob, start: start.get_ref().clone(), period });
             }
@@ -452,6 +456,19 @@ pub(crate) fn duration_of(text: &str, unit_ns: u64) -> Option<u64> {
 }
 
 /// `2026-01-31T06:00:00`, in the years that an S7 clock has.
+/// `2026-01-31T06:00:00` for `31.01.2026 06:00` and `2026-01-31 06:00`.
+fn meant_date(text: &str) -> Option<String> {
+    let numbers = text.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty());
+    let numbers: Vec<u32> = numbers.map(|part| part.parse().ok()).collect::<Option<_>>()?;
+    let (year, month, day, time) = match numbers.as_slice() {
+        [day, month, year @ 1000.., time @ ..] | [year @ 1000.., month, day, time @ ..] => (year, month, day, time),
+        _ => return None,
+    };
+    let part = |index: usize| time.get(index).copied().unwrap_or_default();
+    let meant = format!("{year}-{month:02}-{day:02}T{:02}:{:02}:{:02}", part(0), part(1), part(2));
+    (time.len() <= 3 && is_date_and_time(&meant)).then_some(meant)
+}
+
 fn is_date_and_time(text: &str) -> bool {
     match text.parse::<toml::value::Datetime>() {
         Ok(toml::value::Datetime { date: Some(date), time: Some(_), offset: None }) => {

@@ -135,7 +135,6 @@ struct Reader {
 
 impl Reader {
     fn report<T>(&mut self, key: &Spanned<T>, title: String, help: &str) {
-        let help = if help.is_empty() { "docs/remote-io.md lists the keys and their values" } else { help };
         self.diagnostics.push(Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title).help(help));
     }
 
@@ -146,10 +145,9 @@ impl Reader {
         what: &str,
         usual: T,
     ) -> Option<T> {
-        match key {
-            None => Some(usual),
-            Some(key) => number_within(key, range, what).map_err(|title| self.report(key, title, "")).ok(),
-        }
+        let Some(key) = key else { return Some(usual) };
+        let help = format!("write a number from {} to {}", range.start(), range.end());
+        number_within(key, range, what).map_err(|title| self.report(key, title, &help)).ok()
     }
 
     fn time(&mut self, key: &Option<Spanned<String>>, usual: u32) -> Option<u32> {
@@ -167,7 +165,8 @@ impl Reader {
         let found = words.iter().position(|word| word == key.get_ref());
         if found.is_none() {
             let [first, second] = words;
-            self.report(key, format!("`{}` is neither `{first}` nor `{second}`", key.get_ref()), "");
+            let title = format!("`{}` is neither `{first}` nor `{second}`", key.get_ref());
+            self.report(key, title, &one_of(key.get_ref(), &words));
         }
         found.map(|index| index == 1)
     }
@@ -183,11 +182,11 @@ impl Reader {
         let timeout_ms = self.time(&keys.timeout, 1000);
         let substitute = self.word(&keys.away, ["keep", "substitute"]);
         if keys.data.is_empty() {
-            self.report(
-                name,
-                format!("`{}` has no data", name.get_ref()),
-                "add `[[io.NAME.data]]` with a table and `at`",
-            );
+            let own = name.get_ref();
+            let is_plain = own.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-".contains(&byte));
+            let quote = if is_plain { "" } else { "\"" };
+            let help = format!("add `[[io.{quote}{own}{quote}.data]]` with a table and `at`");
+            self.report(name, format!("`{own}` has no data"), &help);
         }
         let channels: Vec<Option<RemoteChannel>> =
             keys.data.iter().map(|data| self.channel(name.get_ref(), data)).collect();
@@ -209,7 +208,8 @@ impl Reader {
             Some((_, "odd")) => Some(RemoteParity::Odd),
             Some((_, "none")) => Some(RemoteParity::None),
             Some((key, other)) => {
-                self.report(key, format!("`{other}` is not `even`, `odd` or `none`"), "");
+                let title = format!("`{other}` is not `even`, `odd` or `none`");
+                self.report(key, title, &one_of(other, &["even", "odd", "none"]));
                 None
             }
         };
@@ -272,7 +272,9 @@ impl Reader {
         let most = table.count_max(output);
         let count = self.number(&keys.count, 1..=most.into(), "a number of elements of one request", usual)?;
         if u32::from(first) + u32::from(count) > 0x1_0000 {
-            self.report(&keys.at, "the table has elements up to 65535".to_string(), "");
+            let last = u32::from(first) + u32::from(count) - 1;
+            let help = format!("the last one here is {last}: begin earlier, or read fewer");
+            self.report(&keys.at, "the table has elements up to 65535".to_string(), &help);
             return None;
         }
         let low_byte_first = self.word(&keys.bytes, ["high first", "low first"])?;

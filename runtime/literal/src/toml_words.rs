@@ -194,6 +194,13 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
                 }
             }
             "boolean" => (expected_for_switch(line), switch_help(line, value == "true")),
+            // A date is a table for the library.
+            "map" if let Some(date) = date_of(line) => {
+                return Wrong {
+                    title: "a text in quotation marks is expected here, not a date".to_owned(),
+                    help: format!("write `\"{date}\"`"),
+                };
+            }
             _ => ("a text in quotation marks", "write `\"…\"`".to_owned()),
         },
         "a sequence" | "a list" if kind == "map" => {
@@ -256,9 +263,23 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
             };
             ("a table", help)
         }
+        wanted if let Some(count) = wanted.strip_prefix("an array of length ") => {
+            let key = line.split('=').next().unwrap_or_default().trim();
+            return Wrong {
+                title: format!("a list of {count} values is expected here, not {is}"),
+                help: format!("write `{key} = [{value}, …]`"),
+            };
+        }
         wanted => (wanted, "write a value of that kind".to_owned()),
     };
     Wrong { title: format!("{expected} is expected here, not {is}"), help }
+}
+
+/// The value of a line that is a date, `start = 2026-01-31T06:00:00`, as texts have it.
+fn date_of(line: &str) -> Option<String> {
+    let value = line.split_once('=')?.1.split('#').next()?.trim();
+    let is_date = value.starts_with(|c: char| c.is_ascii_digit()) && value.contains(['-', ':']);
+    is_date.then(|| value.replace(' ', "T"))
 }
 
 /// The number of a port that each service of `[services]` usually has.
@@ -561,6 +582,12 @@ mod tests {
         let list = "invalid type: sequence, expected a map";
         let each = "write the value to each name, as in `set = { \"I0.0\" = 1 }`";
         same(list, "set = [\"I0.0\"]", "a table is expected here, not a list", each);
+        let date = "invalid type: map, expected a string";
+        let title = "a text in quotation marks is expected here, not a date";
+        same(date, "start = 2026-01-31 06:00:00", title, "write `\"2026-01-31T06:00:00\"`");
+        let array = "invalid type: integer `1000`, expected an array of length 2";
+        let two = "a list of 2 values is expected here, not the number 1000";
+        same(array, "raw = 1000", two, "write `raw = [1000, …]`");
         let pair = "write `expect = { \"Q0.0\" = 1 }`";
         same(list, "expect = [\"Q0.0 = 1\"]", "a table is expected here, not a list", pair);
         let list = "invalid type: map, expected a sequence";

@@ -19,6 +19,8 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_runtime::analog;
 use toml::Spanned;
 
+use crate::keys::one_of;
+
 use catalog::{CpuRow, Kind, Type};
 pub use keys::StationKeys;
 use keys::{ModuleKeys, OneOrMore};
@@ -284,11 +286,7 @@ impl Reader {
                 None if name.is_empty() => {}
                 None => {
                     let names: Vec<&str> = analog::RANGES.iter().map(|range| range.name).collect();
-                    self.report(
-                        ranges.span(),
-                        format!("`{name}` is not a range"),
-                        format!("ranges are {}", names.join(", ")),
-                    );
+                    self.report(ranges.span(), format!("`{name}` is not a range"), one_of(name, &names));
                     break;
                 }
             }
