@@ -110,7 +110,10 @@ fn described(failure: &AssertFailure) -> String {
     if failure.ty.is_empty() {
         lines.extend([format!("left  {left}"), format!("right {right}")]);
     } else {
-        lines.extend([format!("expected {right}"), format!("found    {left} ({})", failure.ty)]);
+        // An address that does not exist has no value of the type.
+        let is_absent = failure.when.is_some() && failure.values.is_none();
+        let ty = if is_absent { String::new() } else { format!(" ({})", failure.ty) };
+        lines.extend([format!("expected {right}"), format!("found    {left}{ty}")]);
     }
     if let Some(place) = failure.place() {
         lines.push(place);

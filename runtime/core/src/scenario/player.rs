@@ -300,6 +300,13 @@ impl Player {
             let Some(at) = self.scenario.entries.get(index) else { continue };
             let mut failed = Vec::new();
             for setting in &at.expect {
+                // Reading is 0 there.
+                let absent = setting.signal.source.address().and_then(|address| cpu.check_address(address).err());
+                if let Some(message) = absent {
+                    let nothing = format!("nothing: {message}");
+                    failed.push(AssertFailure { when: Some((cycle, time)), ..self.failure(setting, nothing) });
+                    continue;
+                }
                 let actual = setting.signal.source.read(cpu, self.plant());
                 if holds(setting, &actual) {
                     self.expectations_met += 1;
