@@ -72,6 +72,14 @@ pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
         Ok(keys) => context.project(keys),
         Err(error) => {
             let range = error.span().unwrap_or(0..0);
+            if let Some((range, wrong)) = toml_words::bare_literal(error.message(), &source.text, range.start) {
+                // A duration has no prefix here.
+                let literal = &source.text[range.clone()];
+                let duration = literal.strip_prefix(['T', 't']).and_then(|rest| rest.strip_prefix('#'));
+                let help = duration.map_or(wrong.help, |duration| format!("write `\"{duration}\"`"));
+                context.report(range, wrong.title, &help);
+                return (Project { unread: true, ..Project::default() }, context.diagnostics);
+            }
             let mut wrong = toml_words::plain_at(error.message(), &source.text, range.start);
             if let Some(help) = belongs_below(&wrong.title, &source.text[..range.start.min(source.text.len())]) {
                 wrong.help = help;

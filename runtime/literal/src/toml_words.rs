@@ -5,8 +5,10 @@
 //! ```
 
 mod headings;
+mod literals;
 
 use crate::distance;
+pub use literals::bare_literal;
 
 /// A message and what to do.
 #[derive(Clone, Debug, PartialEq, Eq)]

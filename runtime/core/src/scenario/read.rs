@@ -73,7 +73,13 @@ pub(super) fn parse(file: &str, text: &str, image: &ProgramImage) -> Result<Scen
     let line = |offset: usize| ends.partition_point(|end| *end < offset) as u32 + 1;
     let raw: FileText = toml::from_str(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
-        let wrong = foreign_key(error.message()).unwrap_or_else(|| toml_words::plain_at(error.message(), text, offset));
+        let (offset, wrong) = match toml_words::bare_literal(error.message(), text, offset) {
+            Some((range, wrong)) => (range.start, wrong),
+            None => {
+                let own = foreign_key(error.message());
+                (offset, own.unwrap_or_else(|| toml_words::plain_at(error.message(), text, offset)))
+            }
+        };
         format!("{file}:{}: {}; {}", line(offset), wrong.title, wrong.help)
     })?;
     let plant = raw.plant.as_ref().map(|plant| plant.plant(image, &line)).transpose();
@@ -97,9 +103,16 @@ const FOREIGN_KEYS: [(&[&str], &str); 4] = [
     (&["inputs", "outputs", "values"], "values are below `[[at]]`: `set = { \"I 0.0\" = true }`"),
 ];
 
-/// What to say of a key that another file has.
+/// Keys of `[[at]]`.
+const OF_ENTRY: [&str; 9] = ["cycle", "time", "set", "event", "receive", "expect_sent", "pulses", "expect", "print"];
+
+/// What to say of a key that another file has, or that is not below its heading.
 fn foreign_key(message: &str) -> Option<toml_words::Wrong> {
-    let name = message.strip_prefix("unknown field `")?.split('`').next()?;
+    let (name, known) = message.strip_prefix("unknown field `")?.split_once('`')?;
+    if OF_ENTRY.contains(&name) && known.contains("`at`") {
+        let help = "write it below a heading `[[at]]`, with `cycle = …` or `time = \"…\"`".to_owned();
+        return Some(toml_words::Wrong { title: format!("`{name}` is a key of a moment"), help });
+    }
     let (_, help) = FOREIGN_KEYS.iter().find(|(keys, _)| keys.contains(&name))?;
     Some(toml_words::Wrong { title: format!("a scenario has no key `{name}`"), help: (*help).to_owned() })
 }
