@@ -4,8 +4,9 @@ use plcc_diag::Span;
 use plcc_syntax::ast::{TypeKind, TypeRef, Variable};
 
 /// Their types, and the type of their time or count.
-const TYPES: [(&str, &[&str]); 10] = [
+const TYPES: [(&str, &[&str]); 11] = [
     ("TIME", &["IEC_TIMER", "TON_TIME", "TOF_TIME", "TP_TIME", "TONR_TIME", "TON", "TOF", "TP", "TONR"]),
+    ("TIME", &["TON_IEC", "TOF_IEC", "TP_IEC"]),
     ("LTIME", &["IEC_LTIMER", "TON_LTIME", "TOF_LTIME", "TP_LTIME", "TONR_LTIME"]),
     ("SINT", &["IEC_SCOUNTER", "CTU_SINT", "CTD_SINT", "CTUD_SINT"]),
     ("INT", &["IEC_COUNTER", "CTU_INT", "CTD_INT", "CTUD_INT", "CTU", "CTD", "CTUD"]),

@@ -390,6 +390,8 @@ impl Reader<'_> {
 
 /// The type of an instance of a standard function block; `None`: a type of the file.
 fn standard_block(editor: Editor, name: &str) -> Option<&'static str> {
+    // CODESYS and MATIEC read PT in each call. All other projects, also those that plcc writes, have the timers of the TIA Portal.
+    const TIMERS: &[(&str, &str)] = &[("TP", "TP_IEC"), ("TON", "TON_IEC"), ("TOF", "TOF_IEC")];
     const BLOCKS: &[(&str, &str)] = &[
         ("TP", "TP_TIME"),
         ("TON", "TON_TIME"),
@@ -400,7 +402,8 @@ fn standard_block(editor: Editor, name: &str) -> Option<&'static str> {
         ("SR", "BOOL"),
         ("RS", "BOOL"),
     ];
-    let vendor = BLOCKS.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, ty)| *ty);
+    let timers = TIMERS.iter().filter(|_| editor != Editor::Other);
+    let vendor = timers.chain(BLOCKS).find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, ty)| *ty);
     vendor.or_else(|| functions::block(editor, name))
 }
 

@@ -86,7 +86,7 @@ impl walk::Visitor for Calls<'_, '_> {
             return;
         }
         let Some(block) = self.program.globals.library_block(call.target) else { return };
-        let name = block.name.trim_end_matches("_LTIME");
+        let name = block.name.split('_').next().unwrap_or_default();
         if !["TP", "TON", "TOF", "TONR"].contains(&name) {
             return;
         }
