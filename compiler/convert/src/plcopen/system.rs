@@ -17,6 +17,7 @@ pub fn block(word: &str) -> Option<&'static str> {
         ("TP_IEC", "TP"),
         ("R_TRIG", "R_TRIG"),
         ("F_TRIG", "F_TRIG"),
+        ("IEC_F_TRIG", "F_TRIG"),
         ("CTU", "CTU"),
         ("CTU_INT", "CTU"),
         ("CTD", "CTD"),

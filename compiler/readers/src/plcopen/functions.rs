@@ -60,6 +60,10 @@ const BLOCKS: &[(&str, &str, &str)] = &[
 
 /// The block of the library for a standard function block of the editor.
 pub fn block(editor: Editor, name: &str) -> Option<&'static str> {
+    // In all other projects, also those that plcc writes, it is that of the TIA Portal.
+    if editor != Editor::Other && name.eq_ignore_ascii_case("F_TRIG") {
+        return Some("IEC_F_TRIG");
+    }
     let (_, other, matiec) = BLOCKS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name))?;
     Some(if editor == Editor::Matiec { matiec } else { other })
 }

@@ -404,7 +404,7 @@ fn standard_block(editor: Editor, name: &str) -> Option<&'static str> {
     ];
     let timers = TIMERS.iter().filter(|_| editor != Editor::Other);
     let vendor = timers.chain(BLOCKS).find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, ty)| *ty);
-    vendor.or_else(|| functions::block(editor, name))
+    functions::block(editor, name).or(vendor)
 }
 
 /// Which flip-flop a variable is, of type SR or RS.
