@@ -74,7 +74,7 @@ impl Maker<'_> {
             let actual = if element.pins.iter().any(|own| own.output && own.name.eq_ignore_ascii_case(&pin.name))
                 || pin.direction == Direction::Output
             {
-                self.result_of(graph, plan, at, called, pin, &types).map(|(actual, after)| {
+                self.result_of(graph, at, called, pin, &types).map(|(actual, after)| {
                     results.push(after);
                     actual
                 })
@@ -258,7 +258,6 @@ impl Maker<'_> {
     fn result_of(
         &mut self,
         graph: &Graph,
-        plan: &Plan,
         at: usize,
         called: &Instruction,
         pin: &InstructionPin,

@@ -90,7 +90,8 @@ pub(super) fn check_header(name: &BlockName, header: &Header, is_instruction: bo
     ];
     for (key, _) in &header.attributes {
         let is = |known: &&str| known.eq_ignore_ascii_case(key);
-        if !KNOWN.iter().any(is) && !(is_instruction && INSTRUCTION.iter().any(is)) {
+        let is_written = KNOWN.iter().any(is) || is_instruction && INSTRUCTION.iter().any(is);
+        if !is_written {
             let title = format!("the attribute `{key}` of `{}` is not in the file", name_of(name));
             writer.warn(name.span(), title, "set it in the editor again");
         }

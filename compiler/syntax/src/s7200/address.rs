@@ -177,6 +177,17 @@ pub fn text(direct: &Direct) -> String {
     }
 }
 
+/// `I0.0` for `IO.0`: the address with the digit 0 where `text` has the letter O. A timer or counter is not one: `CO2` may be a name.
+pub fn with_zeros(text: &str) -> Option<String> {
+    let upper = text.to_ascii_uppercase();
+    (1..=2).find_map(|letters| {
+        let (area, number) = upper.split_at_checked(letters)?;
+        let fixed = format!("{area}{}", number.replace('O', "0"));
+        let is_address = matches!(parse(&fixed), Some(Ok(direct)) if direct.width.is_some());
+        (number.contains('O') && is_address).then_some(fixed)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,15 +247,4 @@ mod tests {
             assert_eq!(read(word), expected, "{word}");
         }
     }
-}
-
-/// `I0.0` for `IO.0`: the address with the digit 0 where `text` has the letter O. A timer or counter is not one: `CO2` may be a name.
-pub fn with_zeros(text: &str) -> Option<String> {
-    let upper = text.to_ascii_uppercase();
-    (1..=2).find_map(|letters| {
-        let (area, number) = upper.split_at_checked(letters)?;
-        let fixed = format!("{area}{}", number.replace('O', "0"));
-        let is_address = matches!(parse(&fixed), Some(Ok(direct)) if direct.width.is_some());
-        (number.contains('O') && is_address).then_some(fixed)
-    })
 }
