@@ -345,11 +345,28 @@ impl<'a> Classifier<'a, '_> {
             );
             return;
         }
+        // `))` with one `)` too many is told when parentheses are counted.
+        if word == ")" && before.is_some_and(|before| before.kind == RawKind::RightParen) && !self.is_nested() {
+            return;
+        }
         self.report(
             Diagnostic::new(Code::Syntax, self.span(token), format!("`;` is missing before `{word}`"))
                 .label("another statement begins here")
                 .help("end each statement with `;` or with its line"),
         );
+    }
+
+    /// Whether a parenthesis of the block is open, as far as the last tokens show.
+    fn is_nested(&self) -> bool {
+        const LOOK_MAX: usize = 2000;
+        let last = self.out.iter().rev().take(LOOK_MAX);
+        let block = last.take_while(|(_, token, _)| !matches!(token, Tok::Begin | Tok::ImpliedOb));
+        let open = block.fold(0i64, |open, (_, token, _)| match token {
+            Tok::Insn(StlInsn::CloseNest) => open - 1,
+            Tok::Insn(insn) if insn.opens_nesting() => open + 1,
+            _ => open,
+        });
+        open > 0
     }
 
     /// Whether a statement begins at `index`: a label, a mnemonic with what can follow it, or CALL.
