@@ -8,6 +8,7 @@ use plcc_abi::image::BlockKind;
 use plcc_abi::s7200::STACK_LEVELS;
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_syntax::s7200::{Acts, Contact, Insn};
+use plcc_syntax::stl::Mnemonics;
 
 use plcc_binding::pragma::has_assertion;
 use plcc_binding::report::Report;
@@ -83,6 +84,8 @@ pub struct Stack {
     copies: Vec<Option<Span>>,
     /// An LPS of the network before, whose level nothing has taken: the LPP may be in this one.
     left_before: Option<Span>,
+    /// A level before an instruction that has no condition, and this instruction with its mnemonic.
+    before_unconditional: Option<(Span, Insn, String)>,
 }
 
 impl Stack {
@@ -97,6 +100,7 @@ impl Stack {
             unused: Vec::new(),
             copies: Vec::new(),
             left_before: None,
+            before_unconditional: None,
         }
     }
 
@@ -117,10 +121,15 @@ impl Stack {
         self.finish(report);
         self.left_before = copied.filter(|_| left.is_none());
         if let Some(span) = left {
+            let unconditional = self.before_unconditional.take().filter(|(before, ..)| *before == span);
+            let help = unconditional.map(|(_, insn, name)| without_condition(insn, &name));
+            let help = help.unwrap_or_else(|| {
+                "join it with ALD or OLD, or remove it; a contact in series is `A`, one in parallel `O`".to_string()
+            });
             report.push(
                 Diagnostic::new(Code::LeftOverLevel, span, "nothing uses the result of this contact")
                     .label("it stays on the logic stack until the network ends")
-                    .help("join it with ALD or OLD, or remove it; a contact in series is `A`, one in parallel `O`"),
+                    .help(help),
             );
         }
     }
@@ -169,6 +178,7 @@ impl Stack {
     pub fn begin_network(&mut self) {
         self.unused.clear();
         self.copies.clear();
+        self.before_unconditional = None;
         (self.depth, self.lost, self.told, self.read_told) = (0, 0, false, false);
     }
 
@@ -182,6 +192,10 @@ impl Stack {
     /// A statement; `level` is the operand of `LDS`.
     pub fn visit(&mut self, insn: Insn, level: Option<u32>, name: &str, span: Span, report: &mut Report) {
         let effect = effect(insn, level);
+        let has_condition = !matches!(effect, Effect::None) && insn != Insn::Lscr;
+        if let Some(before) = self.unused.last().copied().flatten().filter(|_| !has_condition && insn != Insn::Nop) {
+            self.before_unconditional.get_or_insert_with(|| (before, insn, name.to_string()));
+        }
         self.follow(&effect, span);
         match effect {
             Effect::Push | Effect::Copy(_) => self.copies.push((insn == Insn::Push).then_some(span)),
@@ -274,6 +288,18 @@ impl Stack {
             );
         }
     }
+}
+
+/// What to write for a contact before an instruction that is executed whatever the contact is.
+fn without_condition(insn: Insn, name: &str) -> String {
+    let conditional = match insn {
+        Insn::Mend => Insn::End,
+        Insn::Ret => Insn::Cret,
+        Insn::Reti => Insn::Creti,
+        Insn::Scre => Insn::Cscre,
+        _ => return format!("`{name}` has no condition: remove the contact"),
+    };
+    format!("`{name}` has no condition: write `{}`, or remove the contact", conditional.mnemonic(Mnemonics::En))
 }
 
 /// `name` takes a level that `push` has pushed in the network before.
