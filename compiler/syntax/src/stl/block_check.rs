@@ -1,12 +1,14 @@
-//! Checks of a block's statements that need no names: parentheses, and labels without an instruction.
+//! Checks of a block's statements that need no names: parentheses, zones of the MCR, and labels without an instruction.
 
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 
 use crate::ast::{CodeBlock, Statement, StatementKind};
 use crate::stl::StlInsn;
 
 /// Entries of the nesting stack. Source: Statement List (STL), chapter 1 (bit logic), nesting.
 const NESTING_DEPTH_MAX: usize = 7;
+/// Entries of the stack of the master control relay. Source: Statement List (STL), master control relay.
+const ZONES_MAX: usize = 8;
 
 /// Reports what is wrong in the order of statements.
 pub fn check(text: &str, block: &CodeBlock, diagnostics: &mut Vec<Diagnostic>) {
@@ -16,6 +18,7 @@ pub fn check(text: &str, block: &CodeBlock, diagnostics: &mut Vec<Diagnostic>) {
         return;
     }
     nesting(text, statements(), diagnostics);
+    zones(statements(), diagnostics);
     labels(statements(), diagnostics);
 }
 
@@ -64,6 +67,33 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                 .label("opened here")
                 .help("write `)` after the last instruction of the parenthesis"),
         );
+    }
+}
+
+/// Warns of zones of the master control relay that do not match: the CPU goes to STOP when it executes the instruction.
+fn zones<'s>(statements: impl Iterator<Item = &'s Statement>, diagnostics: &mut Vec<Diagnostic>) {
+    let mut open: Vec<Span> = Vec::new();
+    for statement in statements {
+        let StatementKind::Instruction { insn, mnemonic_span: span, .. } = &statement.kind else { continue };
+        let message = match insn {
+            StlInsn::McrOpen => {
+                open.push(*span);
+                if open.len() != ZONES_MAX + 1 {
+                    continue;
+                }
+                Diagnostic::new(Code::Nesting, *span, "zones of the MCR are nested too deeply")
+                    .label("the ninth zone: the CPU goes to STOP here (16#4572)")
+                    .also(open[0], "the first zone begins here")
+                    .help("close a zone with `)MCR` before, or combine two conditions")
+            }
+            StlInsn::McrClose if open.pop().is_none() => {
+                Diagnostic::new(Code::Nesting, *span, "`)MCR` closes a zone that this block has not opened")
+                    .label("the CPU goes to STOP here (16#4572)")
+                    .help("remove it, or open the zone with `MCR(` in the same block")
+            }
+            _ => continue,
+        };
+        diagnostics.push(Diagnostic { severity: Severity::Warning, ..message });
     }
 }
 
