@@ -262,6 +262,14 @@ impl Binder<'_> {
                 return self.protected(direct, "only the CPU writes it", span);
             }
             let help = match direct.area {
+                _ if class == OperandClass::InputBit => {
+                    "only inputs have immediate contacts: use the contact without `I` for this bit"
+                }
+                _ if class == OperandClass::OutputBit => {
+                    "only outputs are written immediately: use the instruction without `I` for this bit"
+                }
+                _ if class == OperandClass::SBit => "sequence steps are bits of S: write one such as S0.1",
+                _ if class == OperandClass::LoopTable => "a loop table is in V memory: write an address such as VB100",
                 Area::Aq => "only MOVW and other moves write analog outputs; store the value in V memory to read it",
                 Area::Ai => "an analog value is a word: use the instruction for words",
                 Area::T | Area::C if width != Width::Bit => {
