@@ -81,10 +81,13 @@ impl SclBinder<'_, '_> {
             (Value::Complex { value, ty: from, .. }, _) => {
                 if !assignable(ctx.scope.rules, ty, &from) {
                     let difference = first_difference(&from, ty);
+                    let copied = copied(ctx.scope.rules, &self.program.globals.text(span), &from, ty);
                     let (from, wanted) = (layout::type_name(&from), layout::type_name(ty));
                     let help = match from == wanted {
                         true => difference.unwrap_or_else(|| "their components or bounds differ".to_string()),
-                        false => "name a variable of the same type, or assign the parts one by one".to_string(),
+                        false => copied.unwrap_or_else(|| {
+                            "name a variable of the same type, or assign the parts one by one".to_string()
+                        }),
                     };
                     self.wrong_type(span, &format!("of type {from}"), &wanted, Some(help));
                     return None;
@@ -272,6 +275,21 @@ pub fn copied_bytes(ty: &DataType) -> u32 {
             }
         }
         other => layout::bytes(other),
+    }
+}
+
+/// How a value of type `from`, which is written as `text`, comes into a variable of type `to` without an assignment.
+fn copied(rules: Rules, text: &str, from: &DataType, to: &DataType) -> Option<String> {
+    match (from, to) {
+        (DataType::String(_), DataType::WideString(_)) => Some(format!("convert it: `STRING_TO_WSTRING({text})`")),
+        (DataType::WideString(_), DataType::String(_)) => Some(format!("convert it: `WSTRING_TO_STRING({text})`")),
+        (DataType::Array(from), DataType::Array(to)) if from.element == to.element && !rules.is_300() => {
+            let ([(first, last)], [(low, high)]) = (from.bounds.as_slice(), to.bounds.as_slice()) else { return None };
+            let length = |low: i32, high: i32| i64::from(high) - i64::from(low) + 1;
+            let count = length(*first, *last).min(length(*low, *high));
+            Some(format!("copy elements: `MOVE_BLK(IN := {text}[{first}], COUNT := {count}, OUT => …[{low}])`"))
+        }
+        _ => None,
     }
 }
 
