@@ -52,12 +52,17 @@ impl SclBinder<'_, '_> {
             }
             other => {
                 let help = match (&other, ty) {
-                    (Value::Complex { ty: DataType::String(_) | DataType::WideString(_), .. }, _) => {
+                    (Value::Complex { ty: own @ (DataType::String(_) | DataType::WideString(_)), .. }, _) => {
                         let text = self.program.globals.text(other.span());
-                        Some(format!(
-                            "convert it: `STRING_TO_{}({text})`, or take one character: `{text}[1]`",
-                            ty.name()
-                        ))
+                        let wide = if matches!(own, DataType::WideString(_)) { "W" } else { "" };
+                        match ty.class() {
+                            Class::Signed | Class::Unsigned | Class::Float | Class::Character => Some(format!(
+                                "convert it: `{wide}STRING_TO_{}({text})`, or take one character: `{text}[1]`",
+                                ty.name()
+                            )),
+                            Class::Bits if ty == Elementary::Bool => Some(format!("compare it: `{text} <> ''`")),
+                            Class::Bits | Class::Duration | Class::Date => None,
+                        }
                     }
                     (Value::Complex { ty: DataType::Struct(structure), .. }, _) => structure
                         .instance_of

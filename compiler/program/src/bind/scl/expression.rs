@@ -170,6 +170,10 @@ impl SclBinder<'_, '_> {
                 Some(number) => Some(number),
                 None => self.value(ctx, right),
             };
+            if value.is_some() && right.as_ref().is_some_and(|right| self.value_among_conditions(*op, left, right)) {
+                value = None;
+                continue;
+            }
             value = match (value, right) {
                 (Some(left), Some(right)) => self.binary(ctx, node, *op, *op_span, left, right),
                 _ => None,
@@ -194,6 +198,31 @@ impl SclBinder<'_, '_> {
         let title = format!("`{number}` is a number, but {} joins conditions here", op.sign());
         let help = format!("write `{condition} {} {subject} {} {number}`", op.sign(), compare.sign());
         self.refuse(Code::TypeMismatch, right.span, &title, "not a condition", &help);
+        true
+    }
+
+    /// `i = 1 OR j` with an INT `j`: reports a value that was meant to be compared as the one before it.
+    fn value_among_conditions(&mut self, op: Operator, left: &Node, right: &Value) -> bool {
+        let joins = |op: Operator| matches!(op, Operator::And | Operator::Or | Operator::Xor);
+        let last = match &left.kind {
+            NodeKind::Binary { op, right, .. } if joins(*op) => &**right,
+            _ => left,
+        };
+        let NodeKind::Binary { op: compare, left: subject, .. } = &last.kind else { return false };
+        let is_number = match Shape::of(right) {
+            Shape::Of(ty) => ty.is_integer() || ty.is_float(),
+            Shape::Integer(value) => value > 1,
+            Shape::Real => true,
+            Shape::Letter | Shape::Other => false,
+        };
+        if !joins(op) || !is_comparison(*compare) || !(is_number || is_narrow_text(right)) {
+            return false;
+        }
+        let text = |span| self.program.globals.text(span);
+        let (condition, subject, value) = (text(left.span), text(subject.span), text(right.span()));
+        let title = format!("`{value}` is {}, but {} joins conditions here", message::described(right), op.sign());
+        let help = format!("write `{condition} {} {subject} {} {value}`", op.sign(), compare.sign());
+        self.refuse(Code::TypeMismatch, right.span(), &title, "not a condition", &help);
         true
     }
 

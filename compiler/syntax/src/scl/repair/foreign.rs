@@ -83,20 +83,24 @@ impl Repair<'_> {
         true
     }
 
-    /// `THIS^.x`, `CALL FC1();`
+    /// `THIS^.x`, `self.x`, `CALL FC1();`
     pub(super) fn foreign_prefix(&mut self, token: RawToken) -> bool {
         let at = self.at;
         if token.kind != RawKind::Word || token.keyword.is_some() || self.is_declared(self.slice(token)) {
             return false;
         }
         let word = self.slice(token).to_ascii_uppercase();
-        if matches!(word.as_str(), "THIS" | "SUPER")
-            && (self.kind(at + 1), self.kind(at + 2)) == (Some(RawKind::Caret), Some(RawKind::Dot))
-        {
-            let name = self.token(at + 3).map_or("name", |next| self.slice(next)).to_owned();
+        let after_point = self.last.is_some_and(|last| last.kind == RawKind::Dot);
+        let component = match (word.as_str(), self.kind(at + 1), self.kind(at + 2)) {
+            ("THIS" | "SUPER", Some(RawKind::Caret), Some(RawKind::Dot)) => Some(at + 3),
+            ("THIS" | "SELF", Some(RawKind::Dot), Some(RawKind::Word)) if !after_point => Some(at + 2),
+            _ => None,
+        };
+        if let Some(component) = component {
+            let name = self.token(component).map_or("name", |next| self.slice(next)).to_owned();
             let title = format!("SCL has no {word}");
-            self.report(at, at + 2, title, "a form of other languages", format!("write `#{name}`"));
-            self.drop_tokens(at, at + 3);
+            self.report(at, component - 1, title, "a form of other languages", format!("write `#{name}`"));
+            self.drop_tokens(at, component);
             return true;
         }
         word == "CALL" && self.starts(token) && self.call_of_stl()
