@@ -146,14 +146,10 @@ impl SclBinder<'_, '_> {
                         let area = self.indexed_db(db, base_span);
                         self.indexed(ctx, area, width, indices, span)
                     }
-                    _ => {
-                        self.refuse(
-                            Code::UnknownMember,
-                            span,
-                            "this is not an array",
-                            "there is an index after it",
-                            "",
-                        );
+                    other => {
+                        let help = self.before_index(&other, base_span, span);
+                        let label = "there is an index after it";
+                        self.refuse(Code::UnknownMember, span, "this is not an array", label, &help);
                         None
                     }
                 }
@@ -230,6 +226,20 @@ impl SclBinder<'_, '_> {
                 return None;
             }
         })
+    }
+
+    /// What to write for an index at the end of `span`, after something without elements at `base`.
+    fn before_index(&self, thing: &Thing, base: Span, span: Span) -> String {
+        let text = self.program.globals.text(base);
+        let Thing::Db { db: Db::Known(number), .. } = thing else { return format!("remove the index after `{text}`") };
+        let index = self.program.globals.text(Span { start: base.end.min(span.end), ..span });
+        let index = index.trim();
+        let structure = self.program.data.db_type(*number);
+        let mut members = structure.iter().flat_map(|structure| &structure.members);
+        match members.find(|member| matches!(member.ty, DataType::Array(_))) {
+            Some(list) => format!("write the component before its index, as in `{text}.{}{index}`", list.name),
+            None => format!("remove `{index}`: no component of `{text}` is an array"),
+        }
     }
 
     /// Whether the name is that of an array of the block.
