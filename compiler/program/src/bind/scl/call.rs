@@ -5,7 +5,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_binding::fold;
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Span};
 use plcc_model::scl::{Access, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, Direction, Parameter, Place};
@@ -205,14 +205,27 @@ impl SclBinder<'_, '_> {
             }
             Some(DataType::Void | DataType::Parameter(_) | DataType::OpenArray(_)) | None => {
                 let text = self.program.globals.text(name);
-                self.program.report(
-                    Diagnostic::new(Code::TypeMismatch, name, format!("`{text}` has no value"))
-                        .label(match key.kind {
-                            BlockKind::Fb | BlockKind::Sfb => "the call of a function block is a statement",
-                            _ => "this function has no result that an expression could use",
-                        })
-                        .help("call it in a separate statement, and read its outputs after it"),
-                );
+                let mut parameters = bound.interface.parameters.iter();
+                let output = parameters.find(|one| one.direction == Direction::Output && !is_result(key, one));
+                let has_instance = matches!(key.kind, BlockKind::Fb | BlockKind::Sfb);
+                let label = match has_instance {
+                    true => "the call of a function block is a statement",
+                    false => "this function has no result that an expression could use",
+                };
+                let help = match (has_instance, output) {
+                    (true, Some(output)) => {
+                        // `FB1.DB1`
+                        let block = self.program.globals.shown(key).replace(['`', ' '], "");
+                        let own = text.split_once('.').filter(|(first, _)| first.replace(['"', ' '], "") == block);
+                        let instance = own.map_or(text.as_str(), |(_, instance)| instance);
+                        format!("call it in a statement before this one, and read `{instance}.{}`", output.name)
+                    }
+                    (false, Some(output)) => {
+                        format!("call it in a separate statement, and take its output: `{} => …`", output.name)
+                    }
+                    (_, None) => "call it in a separate statement".to_owned(),
+                };
+                self.refuse(Code::TypeMismatch, name, &format!("`{text}` has no value"), label, &help);
                 None
             }
             Some(ty) => Some(Value::Complex { value: Complex::Call(Box::new(call)), ty, span }),
