@@ -436,7 +436,7 @@ pub fn comparison(op: CompareOp, left: Expr, right: Expr, span: Span) -> Expr {
 }
 
 /// The type of a number; that of a constant without a type is the smallest usual one.
-fn number_type(value: &Value) -> Option<Elementary> {
+pub(super) fn number_type(value: &Value) -> Option<Elementary> {
     match Shape::of(value) {
         Shape::Of(ty) if ty.is_integer() || ty.is_float() => Some(ty),
         Shape::Integer(value) if i16::try_from(value).is_ok() => Some(Elementary::Int),

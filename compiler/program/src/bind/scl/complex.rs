@@ -10,7 +10,7 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, NameForm};
 use plcc_syntax::{Class, Elementary};
 
 use super::place::Spot;
-use super::text::is_narrow_text;
+use super::text::{is_narrow_text, number_as_text};
 use super::value::Value;
 use super::{Rules, constant, message};
 use crate::bind::scl::{SclBinder, SclBlock};
@@ -168,8 +168,13 @@ impl SclBinder<'_, '_> {
             (Constant::DateAndTime(bytes), DataType::DateAndTime) => Some(bytes.to_vec()),
             (Constant::Dtl(bytes), DataType::Struct(structure)) if is_dtl(structure) => Some(bytes.to_vec()),
             _ => {
-                let is = message::described(&Value::Constant(constant, span));
-                self.wrong_type(span, &is, &layout::type_name(ty), None);
+                let text = self.program.globals.text(span);
+                let value = Value::Constant(constant, span);
+                let help = match ty {
+                    DataType::String(_) => number_as_text(&value, &text).map(|text| format!("write `{text}`")),
+                    _ => None,
+                };
+                self.wrong_type(span, &message::described(&value), &layout::type_name(ty), help);
                 return None;
             }
         };

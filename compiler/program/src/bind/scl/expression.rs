@@ -6,7 +6,7 @@ use plcc_syntax::{Class, Elementary};
 
 use super::compare::{comparison, is_any_text};
 use super::numeric::{self, Shape};
-use super::text::is_narrow_text;
+use super::text::{is_narrow_text, number_as_text};
 use super::value::Value;
 use super::{Intent, Rules, message};
 use crate::bind::scl::message::DEPTH_MAX;
@@ -399,7 +399,10 @@ impl SclBinder<'_, '_> {
             _ => false,
         } && !help.contains("CONCAT");
         let of_texts = joined.then(|| {
-            let text = |value: &Value| self.program.globals.text(value.span());
+            let text = |value: &Value| {
+                let text = self.program.globals.text(value.span());
+                number_as_text(value, &text).unwrap_or(text)
+            };
             format!("texts are joined with `CONCAT(IN1 := {}, IN2 := {})`", text(left), text(right))
         });
         let help = of_texts.as_deref().unwrap_or(help);

@@ -10,7 +10,7 @@ use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 
 /// Functions of other languages, and what a program of a PLC does instead.
-const FUNCTIONS: [(&[&str], &str); 15] = [
+const FUNCTIONS: [(&[&str], &str); 18] = [
     (
         &["printf", "print", "println", "puts", "echo", "writeln", "write", "cout"],
         "a PLC has no console: assign the value to a variable, and watch it in a watch table or in the trace",
@@ -35,7 +35,16 @@ const FUNCTIONS: [(&[&str], &str); 15] = [
     (&["str", "itoa", "to_str", "tostring"], "write the conversion, as in `INT_TO_STRING(…)` or `REAL_TO_STRING(…)`"),
     (&["atoi", "parseint", "atof", "val"], "write the conversion, as in `STRING_TO_INT(…)` or `STRING_TO_REAL(…)`"),
     (&["convert", "cast"], "write the conversion with both types, as in `REAL_TO_INT(…)`"),
-    (&["strlen"], "the number of characters is `LEN(…)`"),
+    (&["strlen", "length"], "the number of characters is `LEN(…)`"),
+    (&["substr", "substring"], "a part of a text is `MID(IN := …, L := …, P := …)`, from character P on"),
+    (
+        &["instr", "indexof", "strpos"],
+        "the place of a text in another one is `FIND(IN1 := …, IN2 := …)`, 0 if it is not there",
+    ),
+    (
+        &["upper", "lower", "toupper", "tolower", "ucase", "lcase"],
+        "SCL changes no letters: go through the characters, and add 32 to a capital letter or subtract it from a small one",
+    ),
     (&["strcat"], "texts are joined by `CONCAT(IN1 := …, IN2 := …)`"),
     (
         &["strcpy", "memcpy", "memset"],

@@ -7,6 +7,7 @@ use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKin
 
 use super::call::is_result;
 use super::callee::Callee;
+use super::compare::number_type;
 use super::function::Named;
 use super::numeric::Shape;
 use super::pins::Pins;
@@ -61,6 +62,16 @@ pub fn short(word: &str) -> &str {
 pub fn is_narrow_text(value: &Value) -> bool {
     let is_string = matches!(value, Value::Complex { ty: DataType::String(_), .. });
     is_string || matches!(value, Value::Constant(Constant::Text { .. }, _))
+}
+
+/// How a number that is written as `text` becomes a text: `'5'`, `INT_TO_STRING(#i)`. `None`: it is not a number.
+pub fn number_as_text(value: &Value, text: &str) -> Option<String> {
+    let ty = number_type(value)?;
+    let is_literal = matches!(value, Value::Constant(..)) && text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    Some(match is_literal {
+        true => format!("'{text}'"),
+        false => format!("{}_TO_STRING({text})", ty.name()),
+    })
 }
 
 /// The type of the value in the name of a conversion: `TO_STRING`.
