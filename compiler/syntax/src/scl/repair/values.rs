@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Repair, ends_operand};
+use super::{Repair, begins_operand, ends_operand};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
@@ -16,7 +16,11 @@ impl Repair<'_> {
     /// A value that begins with a word, or has one between its operands.
     pub(super) fn foreign_value(&mut self, token: RawToken) -> bool {
         token.kind == RawKind::Word
-            && (self.chosen_value(token) || self.if_of_c(token) || self.membership(token) || self.set_or_reset(token))
+            && (self.chosen_value(token)
+                || self.if_of_c(token)
+                || self.membership(token)
+                || self.operator_of_queries(token)
+                || self.set_or_reset(token))
     }
 
     /// `"Panel".list[2]:P`: an element past the process image.
@@ -127,42 +131,84 @@ impl Repair<'_> {
         true
     }
 
-    /// `a IN [1, 2, 5..7]`, `a IN (1, 2)`
+    /// `a IN [1, 2, 5..7]`, `a IN (1, 2)`, `a NOT IN (1, 2)`
     fn membership(&mut self, token: RawToken) -> bool {
         let at = self.at;
-        let word = self.slice(token);
+        let negated = token.keyword == Some(Keyword::Not);
+        let list = if negated { at + 2 } else { at + 1 };
+        let is_in = self.token(list - 1).is_some_and(|word| self.slice(word).eq_ignore_ascii_case("IN"));
         let counts = self.head.as_ref().is_some_and(|head| head.keyword == Keyword::For);
-        if !word.eq_ignore_ascii_case("IN")
+        if !is_in
             || token.first_on_line
             || counts
             || !self.last.is_some_and(ends_operand)
-            || !matches!(self.kind(at + 1), Some(RawKind::LeftBracket | RawKind::LeftParen))
+            || !matches!(self.kind(list), Some(RawKind::LeftBracket | RawKind::LeftParen))
         {
             return false;
         }
         let end = self.end_of_statement(at);
-        let Some(close) = self.closing(at + 1).filter(|close| *close < end && *close > at + 2) else { return false };
+        let Some(close) = self.closing(list).filter(|close| *close < end && *close > list + 1) else { return false };
         let first = self.operand_start(at);
         let value = self.words(first, at - 1);
-        let conditions: Vec<String> =
-            self.parts(at + 2, close).into_iter().map(|(first, last)| self.is_one_of(value, first, last)).collect();
-        let more = if conditions.len() > VALUES_MAX { " OR …" } else { "" };
+        let parts = self.parts(list + 1, close).into_iter();
+        let conditions: Vec<String> = parts.map(|(first, last)| self.is_one_of(value, first, last, negated)).collect();
+        let join = if negated { " AND " } else { " OR " };
+        let more = if conditions.len() > VALUES_MAX { format!("{join}…") } else { String::new() };
         let shown = &conditions[..conditions.len().min(VALUES_MAX)];
-        let help = format!("write `{}{more}`", shown.join(" OR "));
+        let help = format!("write `{}{more}`", shown.join(join));
         self.report(at, close + 1, "SCL has no operator `IN`".to_owned(), "a form of other languages", help);
         self.replace(first, close + 1, RawKind::Reported, None);
         true
     }
 
-    /// The condition for one part of a list, from token `first` to `last`: a value, or a range.
-    fn is_one_of(&self, value: &str, first: usize, last: usize) -> String {
-        match (first + 1..last).find(|index| self.kind(*index) == Some(RawKind::DotDot)) {
-            Some(points) => {
-                let (low, high) = (self.words(first, points - 1), self.words(points + 1, last));
-                format!("({value} >= {low} AND {value} <= {high})")
-            }
-            None => format!("{value} = {}", self.words(first, last)),
+    /// The condition for one part of a list, from token `first` to `last`: a value, or a range. `negated`: that it is not the one.
+    fn is_one_of(&self, value: &str, first: usize, last: usize, negated: bool) -> String {
+        let points = (first + 1..last).find(|index| self.kind(*index) == Some(RawKind::DotDot));
+        let range = points.map(|points| (self.words(first, points - 1), self.words(points + 1, last)));
+        match (range, negated) {
+            (Some((low, high)), false) => format!("({value} >= {low} AND {value} <= {high})"),
+            (Some((low, high)), true) => format!("({value} < {low} OR {value} > {high})"),
+            (None, false) => format!("{value} = {}", self.words(first, last)),
+            (None, true) => format!("{value} <> {}", self.words(first, last)),
         }
+    }
+
+    /// `a BETWEEN 1 AND 5`, `a LIKE 'x%'`
+    fn operator_of_queries(&mut self, token: RawToken) -> bool {
+        const LOOK_MAX: usize = 12;
+        let at = self.at;
+        let word = self.slice(token);
+        let between = word.eq_ignore_ascii_case("BETWEEN");
+        if !(between || word.eq_ignore_ascii_case("LIKE"))
+            || token.first_on_line
+            || self.is_declared(word)
+            || !self.last.is_some_and(ends_operand)
+        {
+            return false;
+        }
+        let first = self.operand_start(at);
+        let value = self.words(first, at - 1);
+        let (after, help) = if between {
+            let is_and = |index: &usize| self.keyword(*index) == Some(Keyword::And);
+            let Some(and) = (at + 2..self.tokens.len().min(at + LOOK_MAX)).find(is_and) else { return false };
+            let high = if self.kind(and + 1) == Some(RawKind::Minus) { and + 2 } else { and + 1 };
+            if !self.token(high).is_some_and(begins_operand) {
+                return false;
+            }
+            let after = self.operand_end(high);
+            let (low, high) = (self.words(at + 1, and - 1), self.words(and + 1, after - 1));
+            (after, format!("write `{value} >= {low} AND {value} <= {high}`"))
+        } else {
+            if self.kind(at + 1) != Some(RawKind::Text) {
+                return false;
+            }
+            let text = self.words(at + 1, at + 1).replace('%', "");
+            (at + 2, format!("write `FIND(IN1 := {value}, IN2 := {text}) > 0`"))
+        };
+        let title = format!("SCL has no operator `{}`", word.to_ascii_uppercase());
+        self.report(at, after, title, "a form of other languages", help);
+        self.replace(first, after, RawKind::Reported, None);
+        true
     }
 
     /// What commas separate from token `first` up to `after`, exclusive: the first and last token of each part.
