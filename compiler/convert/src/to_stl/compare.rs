@@ -9,6 +9,7 @@ use plcc_syntax::{Class, Elementary};
 use super::Maker;
 use super::logic::Logic;
 use super::plan::Plan;
+use super::types::elementary;
 use super::values::width_of;
 
 /// A comparison of two values, one after the other.
@@ -34,21 +35,21 @@ impl Maker<'_> {
     /// A comparison as a value.
     pub fn compare(&mut self, graph: &Graph, plan: &Plan, at: usize, sign: &str) -> Logic {
         let flow = self.input(graph, plan, at, "pre");
-        let Some(ty) = self.type_of_comparison(&graph.elements[at]) else { return Logic::Constant(false) };
+        let Some(ty) = self.type_or_width(&graph.elements[at], &["in1", "in2"]) else { return Logic::Constant(false) };
         let compared = self.compared(graph, at, ["in1", "in2"], sign, ty);
         Logic::and(vec![flow, compared.unwrap_or(Logic::Constant(false))])
     }
 
-    /// The type of a comparison; of addresses without a type the bits of their width.
-    fn type_of_comparison(&mut self, element: &Element) -> Option<Elementary> {
+    /// The type in which inputs are compared; of addresses without a type the bits of their width.
+    pub fn type_or_width(&mut self, element: &Element, names: &[&str]) -> Option<Elementary> {
         let told = self.messages.len();
-        let ty = self.box_type(element, &["in1", "in2"]);
-        let is_set = element.templates.iter().any(|template| !template.value.trim().is_empty());
-        let types = ["in1", "in2"].into_iter().filter_map(|name| self.type_of(&element.pin(name)?.value));
+        let ty = self.box_type(element, names);
+        let is_set = element.templates.iter().any(|template| elementary(&template.value).is_some());
+        let types = names.iter().filter_map(|name| self.type_of(&element.pin(name)?.value));
         if ty.is_some() || is_set || types.count() > 0 {
             return ty;
         }
-        let width = ["in1", "in2"].into_iter().find_map(|name| width_of(&element.pin(name)?.value))?;
+        let width = names.iter().find_map(|name| width_of(&element.pin(name)?.value))?;
         self.messages.truncate(told);
         Some(width)
     }
@@ -102,7 +103,14 @@ impl Maker<'_> {
     }
 
     /// The comparison of two inputs, both as values of type `ty`; none after a message.
-    fn compared(&mut self, graph: &Graph, at: usize, names: [&str; 2], sign: &str, ty: Elementary) -> Option<Logic> {
+    pub fn compared(
+        &mut self,
+        graph: &Graph,
+        at: usize,
+        names: [&str; 2],
+        sign: &str,
+        ty: Elementary,
+    ) -> Option<Logic> {
         let place = SIGNS.iter().position(|known| *known == sign)?;
         let Some(way) = way(ty, place > 1) else {
             let what = format!("the comparison `{sign}` of {}", ty.name());
@@ -131,6 +139,30 @@ impl Maker<'_> {
             return Some(Logic::Compare { loads, insn: way.insns[0] }.not());
         }
         Some(Logic::Compare { loads, insn: way.insns[place] })
+    }
+
+    /// Whether an input of an integer type has this number; none after a message.
+    pub fn equals_number(
+        &mut self,
+        graph: &Graph,
+        at: usize,
+        name: &str,
+        ty: Elementary,
+        number: i32,
+    ) -> Option<Logic> {
+        let Some(way) = way(ty, false).filter(|_| ty != Elementary::Real) else {
+            let what = format!("a number of type {} here", ty.name());
+            self.refuse(graph.elements[at].span, what, "use an integer of up to 32 bits");
+            return None;
+        };
+        let mut loads = self.load(graph, at, name, ty)?;
+        loads.extend(way.after.iter().map(|(insn, count)| (*insn, Some(super::number(i64::from(*count), self.span)))));
+        let number = match way.wide || ty.bits() == 32 {
+            true => Literal::Dint(number),
+            false => Literal::Int(i64::from(number)),
+        };
+        loads.push((StlInsn::Load, Some(Operand { kind: OperandKind::Literal(number), span: self.span })));
+        Some(Logic::Compare { loads, insn: way.insns[0] })
     }
 
     fn bits(&self, value: u32) -> Operand {

@@ -181,6 +181,8 @@ impl Maker<'_> {
                     }
                 }
             }
+            Kind::JumpList => self.jump_list(graph, plan, at),
+            Kind::Switch => self.switch(graph, plan, at),
             Kind::Return(value) => self.return_coil(graph, plan, at, value),
             Kind::S5Timer(name) => self.timer(graph, plan, at, name, instance),
             Kind::S5Counter(_) => self.counter(graph, plan, at, instance),
@@ -542,7 +544,7 @@ impl Maker<'_> {
         }
     }
 
-    fn jump_label(&mut self, element: &Element, name: &str) -> Option<String> {
+    pub fn jump_label(&mut self, element: &Element, name: &str) -> Option<String> {
         match element.pin(name).map(|pin| &pin.value) {
             Some(PinValue::Operand(Expr { kind: ExprKind::Name(name), .. })) => {
                 Some(self.labels.get(&name.text.to_lowercase()).cloned().unwrap_or_else(|| name.text.clone()))

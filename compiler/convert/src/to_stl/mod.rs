@@ -2,7 +2,8 @@
 //!
 //! - `plan`: which values stay in the RLO, and which need a bit of their own.
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
-//! - `elements`: contacts, coils, edges, timers, counters, jumps; `compare`: comparisons.
+//! - `elements`: contacts, coils, edges, timers, counters, jumps; `control`: jumps to one of several labels.
+//! - `compare`: comparisons.
 //! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names.
@@ -14,6 +15,7 @@
 mod boxes;
 mod calls;
 mod compare;
+mod control;
 mod elements;
 mod formula;
 mod instructions;
