@@ -184,10 +184,11 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 15] = [
+    const FILES: [&str; 16] = [
         "addresses_take_the_type",
         "boxes/called_by_name",
         "boxes/computed_in_steps",
+        "boxes/moves_of_all_types",
         "boxes/rounding_out_of_range",
         "comparisons_by_type",
         "counters",

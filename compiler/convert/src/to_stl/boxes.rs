@@ -11,7 +11,7 @@ use super::Maker;
 use super::logic::Logic;
 use super::plan::Plan;
 use super::types::elementary;
-use super::values::{width_of, width_type};
+use super::values::width_type;
 
 /// What a box does between its loads and its transfer.
 struct Work {
@@ -31,6 +31,8 @@ pub enum Check {
     Overflow,
     /// This bit says so.
     Bit(Operand),
+    /// The BR, which the box leaves, is ENO.
+    Br,
 }
 
 impl Maker<'_> {
@@ -100,38 +102,6 @@ impl Maker<'_> {
             maker.push(StlInsn::Load, Some(one));
             maker.push(insn, None);
             maker.push(StlInsn::Transfer, Some(operand));
-        });
-    }
-
-    fn move_box(&mut self, graph: &Graph, plan: &Plan, at: usize) {
-        let element = &graph.elements[at];
-        let outputs: Vec<String> = element
-            .pins
-            .iter()
-            .filter(|pin| pin.output && pin.name.starts_with("out") && pin.value != PinValue::Open)
-            .map(|pin| pin.name.clone())
-            .collect();
-        // The type of the target, if a constant is moved.
-        let known = element.pins.iter().filter(|pin| pin.name == "in" || outputs.contains(&pin.name));
-        let mut types: Vec<Elementary> = known.clone().filter_map(|pin| self.type_of(&pin.value)).collect();
-        if types.is_empty() {
-            // Bits, as wide as the addresses.
-            types = known.filter_map(|pin| width_of(&pin.value)).collect();
-        }
-        let Some(ty) = types.first().copied() else {
-            return self.unknown_type(element);
-        };
-        if ty == Elementary::Bool || ty.bits() > 32 {
-            return self.refuse(element.span, format!("a MOVE of {}", ty.name()), "move a byte, word or double word");
-        }
-        let Some(load) = self.load(graph, at, "in", ty) else { return };
-        self.boxed(graph, plan, at, Check::Never, |maker| {
-            for (at_output, output) in outputs.iter().enumerate() {
-                if at_output == 0 || types.iter().any(|other| *other != ty) {
-                    load.iter().for_each(|(insn, operand)| maker.push(*insn, operand.clone()));
-                }
-                maker.store_pin(graph, plan, at, output, ty);
-            }
         });
     }
 
@@ -308,15 +278,18 @@ impl Maker<'_> {
         let wanted = self.is_wanted(graph, plan, at, "eno");
         let generated = graph.elements[at].eno != Eno::Disabled;
         let saves = wanted || (self.keeps_br && generated);
+        let has_call = matches!(check, Check::Br);
+        let leaves_br = generated && has_call;
         let failed = match check {
             _ if !generated => None,
-            Check::Never => None,
+            Check::Never | Check::Br => None,
             Check::Overflow => Some(Operand { kind: OperandKind::Status(ast::StatusOperand::Ov), span: self.span }),
             Check::Bit(bit) => Some(bit),
         };
-        let is_checked = failed.is_some();
+        let changes_br = failed.is_some() || has_call;
         let eno = |maker: &mut Self| {
             match failed {
+                _ if leaves_br => return,
                 Some(failed) => maker.push(StlInsn::AndNot, Some(failed)),
                 None => maker.push(StlInsn::SetRlo, None),
             }
@@ -342,8 +315,8 @@ impl Maker<'_> {
                 self.sets_br = true;
                 body(self);
                 self.clear_wires(graph, plan, at, Some(jump));
-                // Otherwise JNB has set BR, which bodies of boxes leave.
-                if is_checked {
+                // Otherwise JNB has set BR, which the body leaves.
+                if changes_br {
                     eno(self);
                 }
                 self.label(&label);

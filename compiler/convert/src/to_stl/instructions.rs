@@ -119,7 +119,7 @@ impl Maker<'_> {
     }
 
     /// The name of an instruction, in quotes where a variable of the block has it, too.
-    fn name_of(&self, name: &str) -> Operand {
+    pub fn name_of(&self, name: &str) -> Operand {
         let (name, span) = (name.to_string(), self.span);
         let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
         let root = match variables.any(|variable| variable.name.eq_ignore_ascii_case(&name)) {

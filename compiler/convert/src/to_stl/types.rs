@@ -188,6 +188,11 @@ impl<'a> Types<'a> {
         find_sd(&name).map(|(row, _)| row).filter(|row| matches!(row.kind, Kind::Instance(_)))
     }
 
+    /// Whether a name is that of a data type of the program.
+    pub fn is_type(&self, name: &BlockName) -> bool {
+        self.types.contains_key(&key(name))
+    }
+
     /// Whether a name is that of a data block.
     pub fn is_data(&self, name: &BlockName) -> bool {
         self.data.contains_key(&key(name))
@@ -241,6 +246,43 @@ impl<'a> Types<'a> {
         }
         let variable = variables.iter().find(|variable| variable.name.eq_ignore_ascii_case(name))?;
         self.part(&variable.ty, parts)
+    }
+
+    /// How a variable is declared, or a component.
+    pub fn declared(&self, kind: &OperandKind, block: &'a CodeBlock) -> Option<&TypeRef> {
+        let OperandKind::Path(path) = kind else { return None };
+        let of_block = |name: &str| {
+            let mut variables = block.sections.iter().flat_map(|section| &section.variables);
+            let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(name))?;
+            self.declared_part(&variable.ty, &path.parts)
+        };
+        match &path.root {
+            PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } => of_block(name),
+            PathRoot::Quoted { name, .. } => self.declared_member(&self.data_of(&name.to_lowercase())?, &path.parts),
+            PathRoot::Block(name) => self.declared_member(&self.data_of(&key(name))?, &path.parts),
+        }
+    }
+
+    fn declared_member<'t>(&'t self, members: &[&'t Variable], parts: &[PathPart]) -> Option<&'t TypeRef> {
+        let (PathPart::Member { name, .. }, rest) = parts.split_first()? else { return None };
+        let variable = members.iter().find(|variable| variable.name.eq_ignore_ascii_case(name))?;
+        self.declared_part(&variable.ty, rest)
+    }
+
+    fn declared_part<'t>(&'t self, ty: &'t TypeRef, parts: &[PathPart]) -> Option<&'t TypeRef> {
+        match (&ty.kind, parts.split_first()) {
+            (_, None) => Some(ty),
+            (TypeKind::Array { element, .. }, Some((PathPart::Index { .. }, rest))) => {
+                self.declared_part(element, rest)
+            }
+            (TypeKind::Struct(members), Some(_)) => self.declared_member(&members.iter().collect::<Vec<_>>(), parts),
+            (TypeKind::Block(name), Some(_)) => self.declared_member(&self.components(name)?, parts),
+            (TypeKind::Named(name), Some(_)) => {
+                let name = BlockName::Symbol { name: name.clone(), span: ty.span };
+                self.declared_member(&self.components(&name)?, parts)
+            }
+            _ => None,
+        }
     }
 
     /// The components of a data block.

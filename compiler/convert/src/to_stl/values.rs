@@ -134,7 +134,11 @@ impl Maker<'_> {
                 return None;
             }
         };
-        let is_number = matches!(operand.kind, OperandKind::Literal(Literal::Int(_) | Literal::Bits { .. }));
+        let is_number = match &operand.kind {
+            OperandKind::Literal(Literal::Int(_) | Literal::Bits { .. }) => true,
+            OperandKind::Literal(Literal::Text(text)) => ty == Elementary::Char && text.len() == 1,
+            _ => false,
+        };
         let from = match from {
             Some(from) => from,
             None if is_number => ty,
@@ -171,7 +175,7 @@ impl Maker<'_> {
     }
 
     /// Instructions that turn a value of one type into one of another.
-    fn conversion(&mut self, from: Elementary, to: Elementary, span: Span) -> Option<&'static [StlInsn]> {
+    pub fn conversion(&mut self, from: Elementary, to: Elementary, span: Span) -> Option<&'static [StlInsn]> {
         use Elementary::{Byte, Char, Dint, Int, Real};
         let same_bits = from.bits() == to.bits() && (from == Real) == (to == Real);
         Some(match (from, to) {
