@@ -184,12 +184,13 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 16] = [
+    const FILES: [&str; 18] = [
         "addresses_take_the_type",
         "boxes/called_by_name",
         "boxes/computed_in_steps",
         "boxes/moves_of_all_types",
         "boxes/rounding_out_of_range",
+        "boxes/shifts_and_steps",
         "comparisons_by_type",
         "counters",
         "gates_dialects",
@@ -197,6 +198,7 @@ fn whole_files_are_converted() {
         "jumps",
         "other_forms",
         "ranges",
+        "shift_of_the_sign_s7_300",
         "timer_vectors",
         "untyped_and_system_operands",
         "wires_of_boxes_that_are_off",

@@ -45,6 +45,9 @@ impl Maker<'_> {
         if let Kind::Step { up } = row.kind {
             return self.step_box(graph, plan, at, up);
         }
+        if let Kind::Function(name @ ("SHL" | "SHR" | "ROL" | "ROR")) = row.kind {
+            return self.shift_box(graph, plan, at, name);
+        }
         let told = self.messages.len();
         let Some(work) = self.work(element, row) else {
             if matches!(row.kind, Kind::Operator(_) | Kind::Calculate) {
@@ -80,13 +83,6 @@ impl Maker<'_> {
         let element = &graph.elements[at];
         let set = element.template(TemplateKey::Destination).and_then(|template| elementary(&template.value));
         let Some(ty) = set.or_else(|| self.box_type(element, &["operand"])) else { return };
-        let (one, insn) = match (ty, up) {
-            (Elementary::Int, true) => (Literal::Int(1), StlInsn::AddI),
-            (Elementary::Int, false) => (Literal::Int(1), StlInsn::SubI),
-            (Elementary::Dint, true) => (Literal::Dint(1), StlInsn::AddD),
-            (Elementary::Dint, false) => (Literal::Dint(1), StlInsn::SubD),
-            _ => return self.refuse(element.span, format!("a step of {}", ty.name()), "count in INT or DINT"),
-        };
         let Some(operand) = self.pin_operand(element, "operand") else { return };
         let known = self.types.of(&operand.kind, self.block).or_else(|| width_type(&operand.kind));
         if known.is_some_and(|known| known.bits() != ty.bits()) {
@@ -96,13 +92,9 @@ impl Maker<'_> {
                 "use one type",
             );
         }
-        let one = Operand { kind: OperandKind::Literal(one), span: element.span };
-        self.boxed(graph, plan, at, Check::Overflow, |maker| {
-            maker.push(StlInsn::Load, Some(operand.clone()));
-            maker.push(StlInsn::Load, Some(one));
-            maker.push(insn, None);
-            maker.push(StlInsn::Transfer, Some(operand));
-        });
+        if !self.step_of(graph, plan, at, (operand, ty), up) {
+            self.refuse(element.span, format!("a step of {}", ty.name()), "count in an integer of up to 32 bits");
+        }
     }
 
     /// What an element does with its inputs, by type.
@@ -215,8 +207,7 @@ impl Maker<'_> {
                     Some((insn, checked)) if self.box_type(element, &["in", "out"])? == Real => {
                         Some(one(Real, &[insn], Real, checked))
                     }
-                    Some(_) => None,
-                    None => self.shift(element, name),
+                    Some(_) | None => None,
                 }
             }
             _ => None,
@@ -231,39 +222,6 @@ impl Maker<'_> {
             );
         }
         work
-    }
-
-    /// SHL, SHR, ROL, ROR by a constant.
-    fn shift(&mut self, element: &Element, name: &str) -> Option<Work> {
-        use Elementary::{Dint, Dword, Int, Word};
-        use StlInsn as I;
-        if !matches!(name, "SHL" | "SHR" | "ROL" | "ROR") {
-            return None;
-        }
-        let ty = self.box_type(element, &["in", "out"])?;
-        let insn = match (name, ty) {
-            ("SHL", Word | Int) => I::ShiftLeftW,
-            ("SHL", Dword | Dint) => I::ShiftLeftD,
-            ("SHR", Word) => I::ShiftRightW,
-            ("SHR", Dword) => I::ShiftRightD,
-            ("SHR", Int) => I::ShiftSignedI,
-            ("SHR", Dint) => I::ShiftSignedD,
-            ("ROL", Dword) => I::RotateLeftD,
-            ("ROR", Dword) => I::RotateRightD,
-            _ => return None,
-        };
-        let most = if ty.bits() == 16 { 15 } else { 32 };
-        let count = match &element.pin("n")?.value {
-            PinValue::Operand(value) => match crate::operand::constant(value)? {
-                Literal::Int(count @ 0..) if count <= most => count,
-                Literal::Bits { value, .. } if i64::from(value) <= most => i64::from(value),
-                _ => return None,
-            },
-            PinValue::Net(_) | PinValue::Open => return None,
-        };
-        let count = super::number(count, element.span);
-        let loads = vec![("in".to_string(), ty)];
-        Some(Work { loads, insns: vec![(insn, Some(count))], result: ty, output: "out", checked: false })
     }
 
     /// Whether anything needs the ENO of a box: an output, or the BR that it leaves.

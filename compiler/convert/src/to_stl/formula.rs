@@ -1,4 +1,4 @@
-//! Boxes that compute in several steps: operators with more than two inputs or with types of 8 and 16 bits, CALCULATE.
+//! Boxes that compute in several steps: operators with more than two inputs or with types of 8 and 16 bits, CALCULATE; INC and DEC.
 //!
 //! A step leaves its result in ACCU1. Integers of 8 bits and UINT are computed as DINT and cut to their type after each step, which
 //! shows whether they fit. What went wrong in any step is kept in a bit for ENO. Source: LAD/FBD reference C.8.
@@ -76,6 +76,44 @@ impl Maker<'_> {
             (_, None) => None,
         };
         let Some(term) = term else { return false };
+        self.computed(graph, plan, at, &term, ty, |maker| maker.store_pin(graph, plan, at, "out", ty));
+        true
+    }
+
+    /// INC, DEC of an operand with a type; false: STL does not compute with it.
+    pub fn step_of(
+        &mut self,
+        graph: &Graph,
+        plan: &Plan,
+        at: usize,
+        (operand, ty): (Operand, Elementary),
+        up: bool,
+    ) -> bool {
+        let Some(step) = self.step(if up { "+" } else { "-" }, ty).filter(|_| ty != Elementary::Real) else {
+            return false;
+        };
+        let one = match ty {
+            Elementary::Dint => Literal::Dint(1),
+            _ => Literal::Int(1),
+        };
+        let one = Operand { kind: OperandKind::Literal(one), span: self.span };
+        let [left, right] = [operand.clone(), one]
+            .map(|operand| Box::new(Term::Load(self.loaded(vec![(StlInsn::Load, Some(operand))], ty))));
+        let term = Term::Binary { left, right, step };
+        self.computed(graph, plan, at, &term, ty, |maker| maker.push(StlInsn::Transfer, Some(operand)));
+        true
+    }
+
+    /// A box that leaves the value of a term, which `store` takes.
+    fn computed(
+        &mut self,
+        graph: &Graph,
+        plan: &Plan,
+        at: usize,
+        term: &Term,
+        ty: Elementary,
+        store: impl FnOnce(&mut Self),
+    ) {
         let watches = self.saves_eno(graph, plan, at) && term.checks() > 0;
         let mut watch =
             (watches && !term.shows_in_ov()).then(|| Watch { bit: self.temporary(Elementary::Bool), is_set: false });
@@ -85,10 +123,9 @@ impl Maker<'_> {
             None => Check::Never,
         };
         self.boxed(graph, plan, at, check, |maker| {
-            maker.term(&term, ty, &mut watch);
-            maker.store_pin(graph, plan, at, "out", ty);
+            maker.term(term, ty, &mut watch);
+            store(maker);
         });
-        true
     }
 
     /// The type that a box computes in: its setting, or that of its variables.
