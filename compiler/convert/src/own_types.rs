@@ -1,5 +1,5 @@
 //! Types that a program declares itself. In SIMATIC SD and SCL they may be words without quotes, `d : Door`, as types of the system are;
-//! other notations have them in quotes only.
+//! other notations have them in quotes only. SimaticML has no types that are other names of types: these are written out.
 
 use std::collections::HashMap;
 
@@ -23,10 +23,15 @@ const SYSTEM: [&str; 13] = [
     "VARIANT",
 ];
 
+/// Types that are other names of types are written out up to this depth; those that name each other have no end.
+const DEPTH_MAX: u32 = 16;
+
 /// The data types and function blocks of a program.
 pub struct OwnTypes {
     /// Their names as they are declared, by upper-case names.
     names: HashMap<String, String>,
+    /// What is written out in their place, likewise.
+    aliases: HashMap<String, TypeKind>,
 }
 
 impl OwnTypes {
@@ -36,11 +41,19 @@ impl OwnTypes {
             Block::Code(block) if block.kind == CodeKind::Fb => Some(&block.name),
             Block::Code(_) | Block::Data(_) => None,
         });
-        let names = declared.filter_map(|name| match name {
-            BlockName::Symbol { name, .. } => Some((name.to_uppercase(), name.clone())),
-            BlockName::Numbered { .. } => None,
+        let names = declared.filter_map(name_of).map(|name| (name.to_uppercase(), name.to_string()));
+        OwnTypes { names: names.collect(), aliases: HashMap::new() }
+    }
+
+    /// The same types, of which those that are only names of others are written out.
+    pub fn with_aliases<'a>(mut self, units: impl Iterator<Item = &'a SourceUnit>) -> OwnTypes {
+        let types = units.flat_map(|unit| &unit.blocks).filter_map(|block| match block {
+            Block::Type(block) => Some((name_of(&block.name)?, block.alias.as_ref()?)),
+            Block::Code(_) | Block::Data(_) => None,
         });
-        OwnTypes { names: names.collect() }
+        let types = types.filter(|(_, alias)| is_written_out(alias));
+        self.aliases.extend(types.map(|(name, alias)| (name.to_uppercase(), alias.kind.clone())));
+        self
     }
 
     /// Makes the words that name such a type names of blocks.
@@ -49,27 +62,39 @@ impl OwnTypes {
             match block {
                 Block::Code(block) => {
                     block.sections.iter_mut().for_each(|section| self.variables(&mut section.variables));
-                    block.constants.iter_mut().filter_map(|constant| constant.ty.as_mut()).for_each(|ty| self.ty(ty));
-                    block.return_type.iter_mut().for_each(|ty| self.ty(ty));
+                    block
+                        .constants
+                        .iter_mut()
+                        .filter_map(|constant| constant.ty.as_mut())
+                        .for_each(|ty| self.ty(ty, 0));
+                    block.return_type.iter_mut().for_each(|ty| self.ty(ty, 0));
                 }
-                Block::Data(block) => match &mut block.content {
-                    DataContent::Struct(members) => self.variables(members),
-                    DataContent::OfType(ty) | DataContent::Array(ty, _) => self.ty(ty),
-                    DataContent::Empty => {}
-                },
+                Block::Data(block) => {
+                    match &mut block.content {
+                        DataContent::Struct(members) => self.variables(members),
+                        DataContent::OfType(ty) | DataContent::Array(ty, _) => self.ty(ty, 0),
+                        DataContent::Empty => {}
+                    }
+                    if let DataContent::OfType(ty) = &block.content
+                        && matches!(ty.kind, TypeKind::Array { .. })
+                    {
+                        block.content = DataContent::Array(ty.clone(), None);
+                    }
+                }
                 Block::Type(block) => {
                     self.variables(&mut block.members);
-                    block.alias.iter_mut().for_each(|ty| self.ty(ty));
+                    block.alias.iter_mut().for_each(|ty| self.ty(ty, 0));
                 }
             }
         }
     }
 
     fn variables(&self, variables: &mut [Variable]) {
-        variables.iter_mut().for_each(|variable| self.ty(&mut variable.ty));
+        variables.iter_mut().for_each(|variable| self.ty(&mut variable.ty, 0));
     }
 
-    fn ty(&self, ty: &mut TypeRef) {
+    /// `depth`: how often it was another name of a type.
+    fn ty(&self, ty: &mut TypeRef, depth: u32) {
         match &mut ty.kind {
             TypeKind::Named(word) => {
                 let is_of_system = Elementary::from_word(word).is_some() || SYSTEM.contains(&word.as_str());
@@ -77,10 +102,34 @@ impl OwnTypes {
                     ty.kind = TypeKind::Block(BlockName::Symbol { name: name.clone(), span: ty.span });
                 }
             }
-            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.ty(element),
-            TypeKind::Reference(target) => self.ty(target),
+            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.ty(element, depth),
+            TypeKind::Reference(target) => self.ty(target, depth),
             TypeKind::Struct(members) => self.variables(members),
             TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Block(_) | TypeKind::Error => {}
         }
+        if depth < DEPTH_MAX
+            && let TypeKind::Block(name) = &ty.kind
+            && let Some(kind) = name_of(name).and_then(|name| self.aliases.get(&name.to_uppercase()))
+        {
+            ty.kind = kind.clone();
+            self.ty(ty, depth + 1);
+        }
+    }
+}
+
+/// Whether a type can stand in the place of its name, in whatever source that is. Structures have comments, which are in their own.
+pub fn is_written_out(alias: &TypeRef) -> bool {
+    match &alias.kind {
+        TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => is_written_out(element),
+        TypeKind::Reference(target) => is_written_out(target),
+        TypeKind::Named(_) | TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Block(_) => true,
+        TypeKind::Struct(_) | TypeKind::Error => false,
+    }
+}
+
+fn name_of(name: &BlockName) -> Option<&str> {
+    match name {
+        BlockName::Symbol { name, .. } => Some(name),
+        BlockName::Numbered { .. } => None,
     }
 }

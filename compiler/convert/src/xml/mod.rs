@@ -36,6 +36,7 @@ use plcc_syntax::stl::Mnemonics;
 
 use crate::frames::bare;
 use crate::node::{self, Node};
+use crate::own_types::is_written_out;
 use crate::trivia::{Remark, Trivia};
 use crate::writer::{Notation, Writer};
 use header::{attribute, attributes, check_header, of_instruction, standard_remanence};
@@ -312,6 +313,11 @@ fn data_type(
     ids: &mut Ids,
     writer: &mut Writer,
 ) -> Option<Node> {
+    if let Some(alias) = block.alias.as_ref().filter(|alias| is_written_out(alias)) {
+        let title = format!("`{}` is not a structure: its type is written where it is used", name_of(&block.name));
+        writer.warn(alias.span, title, "SimaticML has data types only for structures");
+        return None;
+    }
     if let Some(alias) = &block.alias {
         let title =
             format!("`{}` is not a structure, and SimaticML has data types only for structures", name_of(&block.name));

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use plcc_abi::image::Family;
 use plcc_convert::addresses::To;
 use plcc_convert::element_values::Components;
-use plcc_convert::own_types::OwnTypes;
+use plcc_convert::own_types::{OwnTypes, is_written_out};
 use plcc_convert::scl::Others;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
@@ -94,7 +94,10 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let mut messages = std::mem::take(&mut parsed.diagnostics);
     // What only warns about the source stays as it is.
     messages.retain(Diagnostic::is_error);
-    let own_types = OwnTypes::new(parsed.units.iter().map(|(_, unit)| unit));
+    let mut own_types = OwnTypes::new(parsed.units.iter().map(|(_, unit)| unit));
+    if to == ConvertTo::Xml {
+        own_types = own_types.with_aliases(parsed.units.iter().map(|(_, unit)| unit));
+    }
     let components = Components::new(parsed.units.iter().map(|(_, unit)| unit));
     for (id, unit) in &mut parsed.units {
         if has_quoted_types(to, unit, parsed.sources.file(*id)) {
@@ -174,6 +177,9 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             if !refused {
                 let (file, found) = written((args, to), *id, (unit, &made), &library, source);
                 messages.extend(found);
+                if to == ConvertTo::Xml && parsed.units.len() > 1 && has_only_names(unit) {
+                    continue;
+                }
                 if matches!(to, ConvertTo::Lad | ConvertTo::Fbd) && has(unit, |code| matches!(code, Code::Stl(_))) {
                     messages.extend(asserted::of_registers(*id, &source.text, unit.mnemonics));
                 }
@@ -307,6 +313,15 @@ fn has_quoted_types(to: ConvertTo, unit: &SourceUnit, source: &SourceFile) -> bo
         ConvertTo::Scl => unit.overlay.is_some() || is_document(source),
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Gr7 | ConvertTo::Plcopen | ConvertTo::Awl => false,
     }
+}
+
+/// Whether all that a source has is written out in other documents.
+fn has_only_names(unit: &SourceUnit) -> bool {
+    let is_name = |block: &Block| match block {
+        Block::Type(ty) => ty.alias.as_ref().is_some_and(is_written_out),
+        Block::Code(_) | Block::Data(_) => false,
+    };
+    !unit.blocks.is_empty() && unit.blocks.iter().all(is_name)
 }
 
 /// Whether a source is a document of SIMATIC SD.

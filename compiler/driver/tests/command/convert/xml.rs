@@ -363,6 +363,29 @@ fn parts_of_parts_are_one() {
     assert!(said.contains("1 passed, 0 failed"), "{said}");
 }
 
+/// A data type that is another name of a type is written out where it is used.
+#[test]
+fn names_of_types_are_written_out() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "TYPE \"State\" : Int;\nEND_TYPE\nTYPE \"Row\" : Array[0..1] of \"State\";\nEND_TYPE\n\
+                  DATA_BLOCK \"D\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR\n    s : \"State\" := 3;\n    \
+                  r : \"Row\";\n    all : Array[1..2] of \"State\";\nEND_VAR\nBEGIN\n    r[1] := 5;\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml", "--cpu", "s7-1500"]);
+    let said = text(&made.stderr);
+    assert_eq!(made.status.code(), Some(0), "{said}");
+    assert!(said.contains("`State` is not a structure: its type is written where it is used"), "{said}");
+    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    for (name, ty) in [("s", "Int"), ("r", "Array[0..1] of Int"), ("all", "Array[1..2] of Int")] {
+        let wanted = format!("<Member Name=\"{name}\" Datatype=\"{ty}\"");
+        assert!(document.contains(&wanted), "{wanted} in\n{document}");
+    }
+    assert!(!document.contains("PlcStruct"), "{document}");
+    let checked = plcc(folder, &["check", "a.xml", "--cpu", "s7-1500"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
 /// The TIA Portal writes the data of timers and counters with their components: in XML they are instances.
 #[test]
 fn data_of_instructions_become_instances() {
