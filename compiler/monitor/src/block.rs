@@ -65,7 +65,7 @@ impl Block {
         let codes: Vec<Option<Code>> = self.page.sections.iter().map(|section| section.lines()).collect();
         let width = listing::width(codes.iter().flatten());
         let content = |(section, code): (&Section, &Option<Code>)| match code {
-            Some(code) => Content::Lines(Listing::new(code, &status, width)),
+            Some(code) => Content::Lines(Listing::new(code, &status, &self.page.symbols, width)),
             None => Content::Drawing(Drawing::new(section.svg.as_deref().unwrap_or_default(), section.logic.as_ref())),
         };
         self.contents = self.page.sections.iter().zip(&codes).map(content).collect();
@@ -148,7 +148,7 @@ impl Block {
                 rows.push(vec![piece(format!("{}:", section.labels.join(", ")), Tone::Note)]);
             }
             rows.extend(match content {
-                Content::Lines(listing) => listing.rows(&self.status),
+                Content::Lines(listing) => listing.rows(&self.status, &self.forcing),
                 Content::Drawing(drawing) => drawing.rows(&self.status, &self.forcing),
             });
             rows.push(Row::new());

@@ -1,11 +1,13 @@
 //! The blocks of the program, from the document with which the page shows them. See `page/mod.rs` of the crate view.
 
 use std::io::Read;
+use std::sync::Arc;
 
 use flate2::read::GzDecoder;
 use serde::Deserialize;
 
 use crate::flow::Logic;
+use crate::forcing::Symbols;
 
 /// Bytes of a document that are read at most: a damaged one may say that it has any number.
 const DOCUMENT_MAX: u64 = 256 << 20;
@@ -25,6 +27,9 @@ pub struct Page {
     /// Its networks, or parts without a number.
     #[serde(rename = "secs")]
     pub sections: Vec<Section>,
+    /// The symbols of the program.
+    #[serde(skip)]
+    pub symbols: Arc<Symbols>,
 }
 
 /// A network, or a part of a block that has none.
@@ -103,10 +108,15 @@ pub fn pages_of(html: &str) -> Result<Vec<Page>, String> {
     #[derive(Deserialize)]
     struct Data {
         pages: Vec<Page>,
+        /// Addresses and names.
+        #[serde(default)]
+        symbols: Vec<(String, String)>,
     }
     let begin = "<script id=\"data\" type=\"application/json\">";
     let data = html.split_once(begin).and_then(|(_, rest)| rest.split_once("</script>"));
     let (data, _) = data.ok_or("the blocks of the program: their document has no data")?;
     let data: Data = serde_json::from_str(data).map_err(|error| format!("the blocks of the program: {error}"))?;
-    Ok(data.pages)
+    let symbols: Symbols = data.symbols.into_iter().map(|(address, name)| (name.to_lowercase(), address)).collect();
+    let symbols = Arc::new(symbols);
+    Ok(data.pages.into_iter().map(|page| Page { symbols: Arc::clone(&symbols), ..page }).collect())
 }

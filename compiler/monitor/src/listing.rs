@@ -1,8 +1,11 @@
 //! Lines of a source with what their statements see beside them, in the columns of the page.
 
+use std::ops::Range;
+
 use serde_json::Value;
 
 use crate::document::Code;
+use crate::forcing::{Forcing, Symbols, operands};
 use crate::row::{Piece, Row, Tone, piece};
 use crate::status::{Place, Status, Tells, text};
 
@@ -24,6 +27,8 @@ pub struct Listing {
     lines: Vec<String>,
     /// Numbers of places, each with what stands there.
     places: Vec<Vec<(usize, String)>>,
+    /// Operands of each line: where they are in it, and their addresses.
+    operands: Vec<Vec<(Range<usize>, String)>>,
     head: String,
     width: usize,
 }
@@ -41,7 +46,7 @@ fn plain(line: &str) -> String {
 
 impl Listing {
     /// `width`: that of the column of code.
-    pub fn new(code: &Code, status: &Status, width: usize) -> Listing {
+    pub fn new(code: &Code, status: &Status, symbols: &Symbols, width: usize) -> Listing {
         let texts: Vec<&str> = code.text.split('\n').collect();
         let mut places: Vec<Vec<(usize, String)>> = vec![Vec::new(); texts.len()];
         let starts: Vec<i64> = code.starts.iter().take(texts.len()).map(|start| i64::from(*start)).collect();
@@ -64,31 +69,44 @@ impl Listing {
         } else {
             String::new()
         };
-        Listing { lines: texts.into_iter().map(plain).collect(), places, head, width }
+        let lines: Vec<String> = texts.into_iter().map(plain).collect();
+        let operands = lines.iter().map(|line| operands(line, symbols)).collect();
+        Listing { lines, places, operands, head, width }
     }
 
     /// The lines with what is known now.
-    pub fn rows(&self, status: &Status) -> Vec<Row> {
+    pub fn rows(&self, status: &Status, forcing: &Forcing) -> Vec<Row> {
         let width = self.width;
         let mut rows = Vec::new();
         if !self.head.is_empty() {
             rows.push(vec![piece(format!("{:width$}{}", "", self.head.trim_end()), Tone::Title)]);
         }
-        for (line, places) in self.lines.iter().zip(&self.places) {
+        for ((line, places), operands) in self.lines.iter().zip(&self.places).zip(&self.operands) {
             let mut beside = beside(places, status).into_iter();
-            rows.push(joined(format!("{line:width$}"), beside.next()));
+            let mut row = code(line, operands, forcing);
+            if let Some(first) = beside.next() {
+                row.push(piece(" ".repeat(width.saturating_sub(line.chars().count())), Tone::Plain));
+                row.push(first);
+            }
+            rows.push(row);
             // Several statements in one line.
-            rows.extend(beside.map(|one| joined(format!("{:width$}", ""), Some(one))));
+            rows.extend(beside.map(|one| vec![piece(" ".repeat(width), Tone::Plain), one]));
         }
         rows
     }
 }
 
-fn joined(code: String, beside: Option<Piece>) -> Row {
-    match beside {
-        Some(beside) => vec![piece(code, Tone::Plain), beside],
-        None => vec![piece(code.trim_end(), Tone::Plain)],
+/// A line of a source, with its forced operands.
+fn code(line: &str, operands: &[(Range<usize>, String)], forcing: &Forcing) -> Row {
+    let mut row = Row::new();
+    let mut at = 0;
+    for (place, _) in operands.iter().filter(|(_, address)| forcing.has(address)) {
+        row.push(piece(&line[at..place.start], Tone::Plain));
+        row.push(piece(&line[place.clone()], Tone::Forced));
+        at = place.end;
     }
+    row.push(piece(&line[at..], Tone::Plain));
+    row
 }
 
 /// What stands beside a line.
@@ -133,7 +151,7 @@ fn beside(places: &[(usize, String)], status: &Status) -> Vec<Piece> {
 fn registers(value: &Value) -> Piece {
     let number = |at: usize| value.get(at).and_then(Value::as_u64).unwrap_or(0);
     let bit = |at: u64| number(0) >> at & 1;
-    let digits = |bits: std::ops::Range<u64>| -> String { bits.rev().map(|at| bit(at).to_string()).collect() };
+    let digits = |bits: Range<u64>| -> String { bits.rev().map(|at| bit(at).to_string()).collect() };
     let db = |at: usize| if number(at) == 0 { String::new() } else { number(at).to_string() };
     let hex = |at: usize| format!("{:08X}", number(at));
     let bits = format!("{} {} {}", digits(8..STATUS_BITS), digits(4..8), digits(0..4));

@@ -169,13 +169,16 @@ fn a_network_is_drawn_with_its_power_flow() {
 }
 
 #[test]
-fn forced_operands_are_marked_in_drawings() {
+fn forced_operands_are_marked() {
     let mut model = opened(1, "OB1", ladder_places());
     for (address, expected) in [("I0.1", &["I0.1"][..]), ("IB0", &["I0.1"]), ("IB1", &[]), ("QW0", &["Q0.0"])] {
         let forced = Forced { name: "switch".to_string(), value: "1".to_string(), address: address.to_string() };
         model.take(Incoming::News(Box::new(News { forced: Some(vec![forced]), ..News::default() })));
         assert_eq!(parts(&model, Tone::Forced), expected, "{address}");
     }
+    // I0.0 is forced from the beginning.
+    let model = opened(4, "FC2", json!([[81, 92, "registers"]]));
+    assert_eq!(parts(&model, Tone::Forced), ["I 0.0"]);
 }
 
 #[test]
