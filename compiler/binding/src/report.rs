@@ -24,6 +24,8 @@ pub struct Report {
     searches: usize,
     /// Data blocks whose number no source states.
     pub unnumbered_dbs: Vec<String>,
+    /// Bytes of the clock memory and of the system memory, if they are configured.
+    pub memory_bytes: [Option<u16>; 2],
 }
 
 /// A name or block that is used but defined nowhere.
@@ -68,6 +70,7 @@ impl Report {
             partial,
             searches: 0,
             unnumbered_dbs: Vec::new(),
+            memory_bytes: [None; 2],
         }
     }
 
@@ -114,6 +117,7 @@ impl Report {
         if let Some(message) = block_without_number(name, span) {
             return self.push(message);
         }
+        let memory_bytes = self.memory_bytes;
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             let message = Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` is not defined"))
                 .label("no symbol table and no block has this name");
@@ -142,7 +146,7 @@ impl Report {
             if let Some(time) = time_without_sign(name).filter(|_| !quoted && meant.is_none()) {
                 return message.help(format!("if a time is meant, write `{time}`"));
             }
-            if let Some(help) = of_the_portal(name) {
+            if let Some(help) = of_the_portal(name, memory_bytes) {
                 return message.help(help);
             }
             let meant = meant.filter(|_| !name.starts_with(|c: char| c.is_ascii_digit()));
@@ -385,7 +389,7 @@ impl Report {
 
     /// All messages, followed by the undefined names in one list; also returns that list separately.
     pub fn finish(self) -> (Vec<Diagnostic>, Vec<Uses>) {
-        let Report { mut diagnostics, missing, index, partial, searches: _, unnumbered_dbs: _ } = self;
+        let Report { mut diagnostics, missing, index, partial, searches: _, unnumbered_dbs: _, memory_bytes: _ } = self;
         let mut list = Vec::with_capacity(missing.len());
         for Missing { key, mut diagnostic, places } in missing {
             let uses = places.len();
@@ -443,10 +447,16 @@ const PORTAL_TAGS: [(&str, &str, &str); 14] = [
     ("Clock_0.5Hz", "M 0.7", "BOOL"),
 ];
 
-/// What to add for a tag or a data block that the TIA Portal makes without being asked.
-fn of_the_portal(name: &str) -> Option<String> {
+/// What to add for a tag or a data block that the TIA Portal makes without being asked. `bytes`: of the clock memory and the system memory.
+fn of_the_portal(name: &str, bytes: [Option<u16>; 2]) -> Option<String> {
     if let Some((tag, address, ty)) = PORTAL_TAGS.iter().find(|(tag, ..)| tag.eq_ignore_ascii_case(name)) {
-        let memory = if tag.starts_with("Clock") { "clock" } else { "system" };
+        let [clock, system] = bytes;
+        let (memory, byte) = if tag.starts_with("Clock") { ("clock", clock) } else { ("system", system) };
+        let address = match (byte, address.split_once('.')) {
+            (Some(byte), Some((_, bit))) => format!("M {byte}.{bit}"),
+            (Some(byte), None) => format!("MB {byte}"),
+            (None, _) => (*address).to_string(),
+        };
         return Some(format!(
             "it belongs to the {memory} memory: add the tag table that has it, or a symbol table `tags.sdf` with the row `\"{tag}\",\"{address}\",\"{ty}\",\"\"`"
         ));

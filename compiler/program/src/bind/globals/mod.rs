@@ -49,10 +49,13 @@ pub struct Globals<'a> {
 
 impl<'a> Globals<'a> {
     pub fn new(input: &'a BindInput<'a>) -> Globals<'a> {
+        let config = input.config.clone();
+        let mut report = Report::new(input.partial);
+        report.memory_bytes = [config.clock_memory_byte, config.system_memory_byte];
         Globals {
             input,
-            config: input.config.clone(),
-            report: Report::new(input.partial),
+            config,
+            report,
             told: Told::default(),
             notices: Vec::new(),
             names: Names::default(),
