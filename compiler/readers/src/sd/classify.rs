@@ -3,6 +3,8 @@
 //! Whether a word is an element, a pin, an operand or a label depends on where it is. This pass gives each word its meaning, joins the tokens of an
 //! operand into one, and closes rungs and parentheses that the source left open.
 
+mod signs;
+
 use plcc_diag::{Code, Diagnostic, FileId};
 
 use super::pragma::{self, Attribute};
@@ -67,7 +69,9 @@ impl<'a> Classifier<'a, '_> {
                 format!("`{text}` is not allowed outside a rung")
             };
             let next = self.raw.get(self.at + 1).map_or("", |next| &self.text[next.range()]);
+            let line = self.text[token.range().end..].lines().next().unwrap_or_default().trim();
             let help = match token.keyword {
+                _ if text == "#" => format!("a comment begins with `//`: write `// {line}`"),
                 _ if self.kind_at(self.at + 1) == Some(RawKind::Colon) => format!("write `Label( {text} )`"),
                 _ if self.is_word("LABEL") => format!("write `Label( {next} )`"),
                 Some(word) if word.begins_statement() => STATEMENTS.to_owned(),
@@ -90,6 +94,7 @@ impl<'a> Classifier<'a, '_> {
         let first = self.at;
         self.take(Tok::Rung);
         let mut separated = false;
+        let mut has_open_list = false;
         while let Some(token) = self.raw.get(self.at).copied() {
             if self.is_word("RUNG") {
                 break;
@@ -101,9 +106,14 @@ impl<'a> Classifier<'a, '_> {
                 return;
             } else if let Some(name) = self.wire() {
                 self.take_wire(Tok::Wire(name));
+            } else if let Some(name) = self.spaced_wire() {
+                self.take_spaced_wire(token, name);
             } else if token.kind == RawKind::LeftBrace {
+                let is_open = pragma::end(self.raw, self.at).is_none();
                 let (attributes, after) = self.attributes(self.at);
-                self.take_up_to(Tok::Pragma(attributes), after);
+                // The rest of the line is in a list that is not closed, which is reported.
+                self.take_up_to(if is_open { Tok::Stray } else { Tok::Pragma(attributes) }, after);
+                has_open_list |= is_open;
             } else if self.is_word("NOT") && self.kind_at(self.at + 1) != Some(RawKind::LeftParen) {
                 self.take(Tok::Not);
             } else if let Some(after) = self.operand_end() {
@@ -125,11 +135,11 @@ impl<'a> Classifier<'a, '_> {
                     );
                 }
                 self.at += 1;
-            } else {
+            } else if !self.sign_of_drawing(token) {
                 self.take(Tok::Stray);
             }
         }
-        if !self.has_open_text(first) {
+        if !has_open_list && !self.has_open_text(first) {
             self.report(
                 Diagnostic::new(Code::Syntax, self.span(opening), "`END_RUNG` is missing")
                     .label("this rung is not closed")
