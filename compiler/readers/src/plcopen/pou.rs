@@ -12,10 +12,13 @@ use super::scope::Scope;
 use super::types::Ty;
 use super::{Body, DEPTH_MAX, Reader, chart, globals, graph, il, objects, order, pragma};
 use plcc_syntax::ast::{
-    Block, BlockName, Code as BlockCode, CodeBlock, CodeKind, Header, Retain, Section, SectionKind,
+    Block, BlockName, Code as BlockCode, CodeBlock, CodeKind, Header, InitialKind, InitialValue, Retain, Section,
+    SectionKind,
 };
 use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Language, Network};
-use plcc_syntax::scl::ast::{Body as SclBody, Dialect, Expr, Name, NameForm, Statement};
+use plcc_syntax::scl::ast::{
+    AssignOp, Body as SclBody, Dialect, Expr, ExprKind, Name, NameForm, Statement, StatementKind,
+};
 use plcc_syntax::scl::fragment;
 use plcc_syntax::scl::raw::Iec;
 
@@ -72,7 +75,7 @@ impl<'a> Reader<'a> {
             self.actions(pou, &mut body);
         }
         let mut bodies = elements(pou).filter(|node| node.tag_name().name() == "body");
-        let code = bodies.next().map_or(BlockCode::Graphic(Networks::default()), |node| self.body(node, &mut body));
+        let mut code = bodies.next().map_or(BlockCode::Graphic(Networks::default()), |node| self.body(node, &mut body));
         for further in bodies {
             let text = format!("`{name}` has several bodies");
             let message = Diagnostic::new(Code::ForeignContent, self.place(further, "WorksheetName"), text);
@@ -86,6 +89,7 @@ impl<'a> Reader<'a> {
             let variables = std::mem::take(&mut body.temporary);
             sections.push(Section { kind: SectionKind::Temp, retain: Retain::Unsaid, variables, span });
         }
+        assign_start_values(&mut sections, &mut code);
         let comment = child(pou, "documentation").map(plain_text).filter(|text| !text.is_empty());
         let header = Header { comment: comment.into_iter().collect(), ..Header::default() };
         let name = BlockName::Symbol { name: name.to_string(), span };
@@ -299,6 +303,33 @@ impl<'a> Reader<'a> {
         let kind = scope.typed(&mut value);
         self.messages.append(&mut scope.messages.borrow_mut());
         (value, kind)
+    }
+}
+
+/// Variables that live for one call have their start values in each call, so statements at the beginning assign them. Values of arrays and
+/// structures stay at the declaration, where they are reported.
+fn assign_start_values(sections: &mut [Section], code: &mut BlockCode) {
+    if matches!(code, BlockCode::Stl(_) | BlockCode::Chart(_)) {
+        return;
+    }
+    let mut statements = Vec::new();
+    let temporary = sections.iter_mut().filter(|section| section.kind == SectionKind::Temp);
+    for variable in temporary.flat_map(|section| section.variables.iter_mut()) {
+        let single = variable.initial.take_if(|initial| matches!(initial.kind, InitialKind::Expr(_)));
+        let Some(InitialValue { kind: InitialKind::Expr(value), span }) = single else { continue };
+        let name = Name { text: variable.name.clone(), form: NameForm::Local, span: variable.name_span };
+        let target = Expr { kind: ExprKind::Name(name), span: variable.name_span };
+        let kind = StatementKind::Assign { targets: vec![(target, AssignOp::Set)], value: *value };
+        statements.push(Statement { kind, span });
+    }
+    let Some(span) = statements.first().map(|first| first.span) else { return };
+    match code {
+        BlockCode::Scl(body) => drop(body.statements.splice(0..0, statements)),
+        BlockCode::Graphic(body) => {
+            let (title, comment, labels, content) = (None, Vec::new(), Vec::new(), Content::Scl(statements));
+            body.networks.insert(0, Network { language: Language::Scl, title, comment, labels, content, span });
+        }
+        BlockCode::Stl(_) | BlockCode::Chart(_) => {}
     }
 }
 
