@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
 use roxmltree::Node;
 
 use super::interface::{child, elements, flip_flop, plain_text};
@@ -11,13 +11,14 @@ use super::objects::Kind;
 use super::scope::Scope;
 use super::types::Ty;
 use super::{Body, DEPTH_MAX, Reader, chart, globals, graph, il, objects, order, pragma};
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
     Block, BlockName, Code as BlockCode, CodeBlock, CodeKind, Header, InitialKind, InitialValue, Retain, Section,
-    SectionKind,
+    SectionKind, TypeKind,
 };
 use plcc_syntax::network::ast::{Body as Networks, Content, Graph, Language, Network};
 use plcc_syntax::scl::ast::{
-    AssignOp, Body as SclBody, Dialect, Expr, ExprKind, Name, NameForm, Statement, StatementKind,
+    AssignOp, Body as SclBody, Dialect, Expr, ExprKind, Literal, Name, NameForm, Statement, StatementKind,
 };
 use plcc_syntax::scl::fragment;
 use plcc_syntax::scl::raw::Iec;
@@ -89,7 +90,7 @@ impl<'a> Reader<'a> {
             let variables = std::mem::take(&mut body.temporary);
             sections.push(Section { kind: SectionKind::Temp, retain: Retain::Unsaid, variables, span });
         }
-        assign_start_values(&mut sections, &mut code);
+        assign_start_values(&mut sections, &mut code, is_function);
         let comment = child(pou, "documentation").map(plain_text).filter(|text| !text.is_empty());
         let header = Header { comment: comment.into_iter().collect(), ..Header::default() };
         let name = BlockName::Symbol { name: name.to_string(), span };
@@ -307,20 +308,33 @@ impl<'a> Reader<'a> {
 }
 
 /// Variables that live for one call have their start values in each call, so statements at the beginning assign them. Values of arrays and
-/// structures stay at the declaration, where they are reported.
-fn assign_start_values(sections: &mut [Section], code: &mut BlockCode) {
+/// structures stay at the declaration, where they are reported. The same applies to outputs of functions in ST and IL, which are not those of
+/// the last call; one without a start value begins at 0.
+fn assign_start_values(sections: &mut [Section], code: &mut BlockCode, is_function: bool) {
     if matches!(code, BlockCode::Stl(_) | BlockCode::Chart(_)) {
         return;
     }
+    let begins_at_zero = is_function && matches!(code, BlockCode::Scl(_));
     let mut statements = Vec::new();
-    let temporary = sections.iter_mut().filter(|section| section.kind == SectionKind::Temp);
-    for variable in temporary.flat_map(|section| section.variables.iter_mut()) {
-        let single = variable.initial.take_if(|initial| matches!(initial.kind, InitialKind::Expr(_)));
-        let Some(InitialValue { kind: InitialKind::Expr(value), span }) = single else { continue };
-        let name = Name { text: variable.name.clone(), form: NameForm::Local, span: variable.name_span };
-        let target = Expr { kind: ExprKind::Name(name), span: variable.name_span };
-        let kind = StatementKind::Assign { targets: vec![(target, AssignOp::Set)], value: *value };
-        statements.push(Statement { kind, span });
+    for section in sections {
+        let is_output = begins_at_zero && section.kind == SectionKind::Output;
+        if !is_output && section.kind != SectionKind::Temp {
+            continue;
+        }
+        for variable in &mut section.variables {
+            let span = variable.name_span;
+            let single = variable.initial.take_if(|initial| matches!(initial.kind, InitialKind::Expr(_)));
+            let value = match single {
+                Some(InitialValue { kind: InitialKind::Expr(value), .. }) => Some(*value),
+                _ if is_output && variable.initial.is_none() => zero(&variable.ty.kind, span),
+                _ => None,
+            };
+            let Some(value) = value else { continue };
+            let name = Name { text: variable.name.clone(), form: NameForm::Local, span };
+            let target = Expr { kind: ExprKind::Name(name), span };
+            let kind = StatementKind::Assign { targets: vec![(target, AssignOp::Set)], value };
+            statements.push(Statement { kind, span });
+        }
     }
     let Some(span) = statements.first().map(|first| first.span) else { return };
     match code {
@@ -331,6 +345,13 @@ fn assign_start_values(sections: &mut [Section], code: &mut BlockCode) {
         }
         BlockCode::Stl(_) | BlockCode::Chart(_) => {}
     }
+}
+
+/// The start value of an elementary type.
+fn zero(ty: &TypeKind, span: Span) -> Option<Expr> {
+    let TypeKind::Named(name) = ty else { return None };
+    let ty = Elementary::from_word(name)?;
+    Some(Expr { kind: ExprKind::Literal(Literal::Typed { ty, bits: 0 }), span })
 }
 
 /// Gives comments to the networks below them: the first line is the title. `tops`: where the networks begin.
