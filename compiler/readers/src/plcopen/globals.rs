@@ -320,6 +320,7 @@ impl<'a> Reader<'a> {
                 );
             } else if let Some(mut variable) = self.variable(node, 0) {
                 variable.name = unique.clone();
+                self.give_length(&mut variable.ty);
                 if self.is_function_block(&variable.ty) {
                     self.instance(variable, node);
                     let global = Global::Tag(unique.clone());

@@ -18,6 +18,9 @@ use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, Name, NameForm, U
 /// Types inside types are read up to this depth.
 const DEPTH_MAX: usize = 32;
 
+/// Characters of a text without a length in CODESYS.
+const TEXT_OF_CODESYS: i64 = 80;
+
 /// A variable list of an interface.
 pub const LISTS: &[(&str, SectionKind)] = &[
     ("inputVars", SectionKind::Input),
@@ -98,7 +101,11 @@ impl Reader<'_> {
                 node.has_attribute("address") && super::globals::located(&types, &reader.addresses, *node).is_some()
             };
             let variables: Vec<Node> = variables.into_iter().filter(|node| !has_place(self, node)).collect();
-            let variables: Vec<Variable> = variables.into_iter().filter_map(|node| self.variable(node, 0)).collect();
+            let mut variables: Vec<Variable> =
+                variables.into_iter().filter_map(|node| self.variable(node, 0)).collect();
+            if matches!(kind, SectionKind::Static | SectionKind::Temp) {
+                variables.iter_mut().for_each(|variable| self.give_length(&mut variable.ty));
+            }
             let retain = match (is("retain"), is("nonretain")) {
                 (true, _) if kind == SectionKind::Static => Retain::Retain,
                 (_, true) if kind == SectionKind::Static => Retain::NonRetain,
@@ -218,7 +225,10 @@ impl Reader<'_> {
             return None;
         };
         let name = name.to_string();
-        let ty = self.type_of(holder, depth)?;
+        let mut ty = self.type_of(holder, depth)?;
+        if depth > 0 {
+            self.give_length(&mut ty);
+        }
         let initial = child(node, "initialValue").and_then(|value| self.initial(value, depth));
         let ranged = super::types::Ty::of(holder).map(|ty| self.kinds.resolved(ty));
         if let (Some(ty), Some(InitialValue { kind: InitialKind::Expr(value), .. })) = (&ranged, &initial) {
@@ -229,6 +239,22 @@ impl Reader<'_> {
         let initial = if flip_flop(node).is_some() { None } else { initial };
         let comment = child(node, "documentation").map(|node| plain_text(node)).filter(|text| !text.is_empty());
         Some(Variable { name, name_span, attributes: Vec::new(), at: None, ty, initial, comment })
+    }
+
+    /// A text that is no parameter has a length in CODESYS, also where none is written. A parameter may be a reference to a longer text.
+    pub fn give_length(&self, ty: &mut TypeRef) {
+        if self.editor != Editor::Codesys {
+            return;
+        }
+        let span = ty.span;
+        if let TypeKind::Array { element, .. } = &mut ty.kind {
+            return self.give_length(element);
+        }
+        if let TypeKind::String(length) | TypeKind::WideString(length) = &mut ty.kind
+            && length.is_none()
+        {
+            *length = Some(Bound::Number(TEXT_OF_CODESYS, span));
+        }
     }
 
     /// The value that a variable of a named type starts with: that of the type, otherwise the first one of an enumeration.
