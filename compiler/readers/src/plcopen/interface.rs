@@ -18,8 +18,9 @@ use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Literal, Name, NameForm, U
 /// Types inside types are read up to this depth.
 const DEPTH_MAX: usize = 32;
 
-/// Characters of a text without a length in CODESYS.
+/// Characters of a text without a length in CODESYS, and with MATIEC.
 const TEXT_OF_CODESYS: i64 = 80;
+const TEXT_OF_MATIEC: i64 = 126;
 
 /// A variable list of an interface.
 pub const LISTS: &[(&str, SectionKind)] = &[
@@ -241,11 +242,14 @@ impl Reader<'_> {
         Some(Variable { name, name_span, attributes: Vec::new(), at: None, ty, initial, comment })
     }
 
-    /// A text that is no parameter has a length in CODESYS, also where none is written. A parameter may be a reference to a longer text.
+    /// A text that is no parameter has a length in these editors, also where none is written. A parameter may be a reference to a longer
+    /// text.
     pub fn give_length(&self, ty: &mut TypeRef) {
-        if self.editor != Editor::Codesys {
-            return;
-        }
+        let characters = match self.editor {
+            Editor::Codesys => TEXT_OF_CODESYS,
+            Editor::Matiec => TEXT_OF_MATIEC,
+            Editor::Other => return,
+        };
         let span = ty.span;
         if let TypeKind::Array { element, .. } = &mut ty.kind {
             return self.give_length(element);
@@ -253,7 +257,7 @@ impl Reader<'_> {
         if let TypeKind::String(length) | TypeKind::WideString(length) = &mut ty.kind
             && length.is_none()
         {
-            *length = Some(Bound::Number(TEXT_OF_CODESYS, span));
+            *length = Some(Bound::Number(characters, span));
         }
     }
 
