@@ -19,8 +19,8 @@ impl Binder<'_> {
         let (constant, class, ..) = orders.into_iter().find(|(constant, class, place, other)| {
             is_target(*class)
                 && takes_constants(*other)
-                && matches!(self.form(locals, constant), Form::Constant)
-                && matches!(self.form(locals, place), Form::Place(direct) if may_be(*class, direct))
+                && matches!(self.form_of(locals, constant), Form::Constant)
+                && matches!(self.form_of(locals, place), Form::Place(direct) if may_be(*class, direct))
         })?;
         let (title, label) = match class {
             OperandClass::Timer | OperandClass::Counter => {
@@ -44,7 +44,7 @@ impl Binder<'_> {
         if operands.len() != insn.operands().len() {
             return Vec::new();
         }
-        let forms: Vec<Form> = operands.iter().map(|operand| self.form(locals, operand)).collect();
+        let forms: Vec<Form> = operands.iter().map(|operand| self.form_of(locals, operand)).collect();
         let mut misfits = Vec::new();
         for ((operand, form), class) in operands.iter().zip(&forms).zip(insn.operands()) {
             if let (Form::Place(direct), Some(needed)) = (form, width(*class))
@@ -81,7 +81,7 @@ impl Binder<'_> {
         vec![self.width_message(class, direct, needed, span).help(format!("write {}", statements.join(" or ")))]
     }
 
-    fn form(&self, locals: &Locals, operand: &ast::Operand) -> Form {
+    fn form_of(&self, locals: &Locals, operand: &ast::Operand) -> Form {
         match &operand.kind {
             OperandKind::Direct(direct) => Form::Place(*direct),
             OperandKind::Constant(_) => Form::Constant,
