@@ -1,7 +1,7 @@
 //! What other notations have and a document of SIMATIC SD does not.
 
 use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock};
-use plcc_syntax::network::ast::{Element, Target};
+use plcc_syntax::network::ast::{Element, Pin, Target};
 use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm, StatementKind};
 
@@ -27,8 +27,16 @@ impl Writer<'_> {
         }
     }
 
-    /// Refuses standard functions of PLCopen XML that are formulas, such as TIME times REAL.
+    /// Refuses standard functions of PLCopen XML that are formulas, such as TIME times REAL, and outputs with several connections.
     pub(super) fn sd_check_element(&mut self, element: &Element) {
+        let outputs: Vec<&Pin> = element.pins.iter().filter(|pin| pin.output).collect();
+        let is_again =
+            |at: usize| outputs[..at].iter().any(|before| before.name.eq_ignore_ascii_case(&outputs[at].name));
+        if let Some(at) = (0..outputs.len()).find(|at| is_again(*at)) {
+            let title =
+                format!("the output `{}` with several connections, of which a document has one", outputs[at].name);
+            self.refuse(outputs[at].span, title, "connect the other inputs with the variable at the output");
+        }
         if matches!(&element.target, Target::Element { row, .. } if matches!(row.kind, Kind::Formula)) {
             let title = "the TIA Portal has no element in LAD and FBD for this function";
             self.refuse(element.span, title, "program it in ST");

@@ -105,6 +105,17 @@ fn st_of_plcopen_becomes_scl() {
     assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
 }
 
+/// An output at a variable and at a wire: a document of SIMATIC SD would have the pin twice.
+#[test]
+fn outputs_with_several_connections_are_refused() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/wires/project.xml");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "sd", "-o", "a.s7dcl"]);
+    let said = text(&made.stderr);
+    assert_eq!(made.status.code(), Some(3), "{said}");
+    assert!(said.contains("the output `out` with several connections, of which a document has one"), "{said}");
+}
+
 /// A warning says that what is written needs what is left out.
 #[test]
 fn blocks_that_others_use_are_named() {
