@@ -374,7 +374,7 @@ fn values_at(
             }
         }
         (InitialKind::Default, _) => {}
-        _ => match text(value, writer) {
+        _ => match text(value, writer).map(|text| without_type(text, value, ty)) {
             Some(text) if around.is_empty() => node.push(Node::of("StartValue", text)),
             Some(text) => {
                 let path: Vec<String> = around.iter().map(i64::to_string).collect();
@@ -441,6 +441,19 @@ fn flatten<'a>(value: &'a InitialValue, flat: &mut Vec<&'a InitialValue>) -> boo
             flat.push(value);
             true
         }
+    }
+}
+
+/// The value of a constant of STL without the type of its member in front of it: `2.5` of `REAL#2.5`.
+fn without_type(text: String, value: &InitialValue, ty: &TypeRef) -> String {
+    const WORDS: [(&str, &str); 6] =
+        [("BYTE", "B"), ("WORD", "W"), ("DWORD", "DW"), ("INT", "INT"), ("DINT", "L"), ("REAL", "REAL")];
+    let (InitialKind::Literal(_), TypeKind::Named(name)) = (&value.kind, &ty.kind) else { return text };
+    let Some((long, short)) = WORDS.iter().find(|(long, _)| long == name) else { return text };
+    let typed = text.split_once('#').filter(|(word, _)| [long, short].iter().any(|own| word.eq_ignore_ascii_case(own)));
+    match typed.map(|(_, value)| value.to_string()) {
+        Some(value) => value,
+        None => text,
     }
 }
 

@@ -386,6 +386,20 @@ fn names_of_types_are_written_out() {
     assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
 }
 
+/// Start values of STL have no types in XML, where the member has one.
+#[test]
+fn start_values_of_stl_have_no_types() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "DATA_BLOCK DB 1\nSTRUCT\n  a : REAL := 2.5;\n  b : WORD := W#16#1F;\n  c : DINT := L#-70000;\n  d : TIME := T#2S;\n\
+                  END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let document = text(&plcc(folder, &["convert", "a.stl", "--to", "xml"]).stdout);
+    for value in ["2.5", "16#1F", "-70000", "T#2S"] {
+        assert!(document.contains(&format!("<StartValue>{value}</StartValue>")), "{value} in\n{document}");
+    }
+}
+
 /// The TIA Portal writes the data of timers and counters with their components: in XML they are instances.
 #[test]
 fn data_of_instructions_become_instances() {
