@@ -15,6 +15,9 @@ use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
 
+/// Characters of a STRING without a length. It is always written: the editors have other lengths for such a text.
+const LONGEST_TEXT: u32 = 254;
+
 /// No array has more start values than this.
 const VALUES_MAX: usize = 100_000;
 
@@ -54,11 +57,8 @@ impl<'a> Declarer<'_, 'a> {
                 Node::new("derived").with("name", word)
             }
             TypeKind::String(length) => {
-                let mut node = Node::new("string");
-                if let Some(length) = length {
-                    node.attributes.push(("length", bound(length, writer)));
-                }
-                node
+                let length = length.as_ref().map_or_else(|| LONGEST_TEXT.to_string(), |length| bound(length, writer));
+                Node::new("string").with("length", length)
             }
             TypeKind::Array { bounds, element } => {
                 let mut node = Node::new("array");

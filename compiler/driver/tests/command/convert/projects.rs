@@ -67,6 +67,18 @@ fn texts_with_quotes_come_back_from_projects() {
     assert!(back.contains("CONCAT(IN1 := 'It$'s ', IN2 := 'on')"), "{back}");
 }
 
+/// A STRING holds 254 characters, and fewer in the editors that read the project.
+#[test]
+fn texts_without_a_length_get_theirs_in_projects() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK \"F\"\nVAR\n  t : String;\nEND_VAR\nBEGIN\n  #t := 'on';\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.scl", "--to", "plcopen", "--cpu", "1511-1"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(text(&made.stdout).contains("<string length=\"254\"/>"), "{}", text(&made.stdout));
+}
+
 /// LAD, SCL, data blocks and tags as one project, with what the format does not have.
 #[test]
 fn a_program_becomes_one_project_of_plcopen() {
