@@ -11,7 +11,7 @@ use plcc_syntax::{Class, Elementary};
 use super::Maker;
 use super::boxes::Check;
 use super::plan::Plan;
-use super::values::{width_of, width_type};
+use super::values::width_of;
 
 /// BLKMOV.
 const BLOCK_MOVE: u32 = 20;
