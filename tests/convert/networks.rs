@@ -184,7 +184,7 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 18] = [
+    const FILES: [&str; 19] = [
         "addresses_take_the_type",
         "boxes/called_by_name",
         "boxes/computed_in_steps",
@@ -195,6 +195,7 @@ fn whole_files_are_converted() {
         "counters",
         "gates_dialects",
         "indices_and_parts",
+        "instances_inside_data",
         "jumps",
         "other_forms",
         "ranges",

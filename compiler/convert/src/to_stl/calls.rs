@@ -1,5 +1,6 @@
 //! Calls of blocks and of instances. Source: LAD/FBD reference F.1.
 
+use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, Operand, OperandKind, Parameter, StatementKind};
 use plcc_syntax::literal::Literal;
@@ -44,7 +45,7 @@ impl Maker<'_> {
             // A multi-instance.
             (None, _) => match self.operand(callee) {
                 Some(Operand { kind: OperandKind::Path(path), .. })
-                    if !matches!(path.root, ast::PathRoot::Local { .. }) =>
+                    if !matches!(path.root, ast::PathRoot::Local { .. }) && !self.types.is_portal =>
                 {
                     return self.refuse(
                         span,
@@ -52,6 +53,7 @@ impl Maker<'_> {
                         "declare the instance in the block",
                     );
                 }
+                Some(target) if has_variable_index(&target) => return self.refuse_indexed(span),
                 Some(target) => (target, None),
                 None => return,
             },
@@ -133,6 +135,11 @@ impl Maker<'_> {
         Operand { kind: OperandKind::Block(name), span: self.span }
     }
 
+    /// STL calls instances that are known.
+    fn refuse_indexed(&mut self, span: Span) {
+        self.refuse(span, "a call of an instance that an index chooses", "name the instance");
+    }
+
     /// An instance: a data block, or a variable of the block.
     fn instance(&mut self, value: &Expr) -> Option<Operand> {
         match (block_name(value), self.operand(value)?) {
@@ -145,7 +152,7 @@ impl Maker<'_> {
                 Some(Operand { kind: OperandKind::Block(name), span })
             }
             (_, operand) if has_variable_index(&operand) => {
-                self.refuse(value.span, "a call of an instance that an index chooses", "name the instance");
+                self.refuse_indexed(value.span);
                 None
             }
             (_, operand) => Some(operand),
