@@ -58,6 +58,11 @@ impl Maker<'_> {
             } else if let Some(called) = self.instruction(element, row) {
                 self.messages.truncate(told);
                 self.instruction_box(graph, plan, at, row, &called);
+            } else if let Kind::Function(name) = row.kind {
+                let refused = self.messages.split_off(told);
+                if !self.choice_box(graph, plan, at, name) && self.messages.len() == told {
+                    self.messages.extend(refused);
+                }
             }
             return;
         };

@@ -4,7 +4,7 @@
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
 //! - `elements`: contacts, coils, edges, timers, counters, jumps; `control`: jumps to one of several labels.
 //! - `compare`: comparisons.
-//! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`.
+//! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`, `choices`.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names.
 //! - `operand`: operands of networks as operands of STL.
@@ -14,6 +14,7 @@
 
 mod boxes;
 mod calls;
+mod choices;
 mod compare;
 mod control;
 mod elements;
