@@ -53,7 +53,21 @@ pub fn unit(unit: &SourceUnit, program: &Program, text: &str, comments: &[Commen
         if !has_statements(&tree.code) {
             continue;
         }
-        let bound = program.blocks.iter().find(|block| !block.library && block.span == tree.name.span());
+        // A program of PLCopen XML and the organization block that calls it have one place.
+        let kind = match tree.kind {
+            ast::CodeKind::Ob => BlockKind::Ob,
+            ast::CodeKind::Fc => BlockKind::Fc,
+            ast::CodeKind::Fb => BlockKind::Fb,
+            ast::CodeKind::Sfc => BlockKind::Sfc,
+            ast::CodeKind::Sfb => BlockKind::Sfb,
+        };
+        let has_number = |bound: &model::CodeBlock| match tree.name {
+            ast::BlockName::Numbered { number, .. } => u32::from(bound.number) == number,
+            ast::BlockName::Symbol { .. } => true,
+        };
+        let is_own =
+            |bound: &model::CodeBlock| bound.kind == kind && has_number(bound) && bound.span == tree.name.span();
+        let bound = program.blocks.iter().find(|block| !block.library && is_own(block));
         let Some((bound, typed)) = bound.and_then(|block| match &block.body {
             Body::Scl(typed) => Some((block, typed)),
             Body::Stl(_) | Body::S7200(_) | Body::Runtime => None,

@@ -117,6 +117,17 @@ fn st_of_plcopen_becomes_scl() {
     assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
 }
 
+/// The organization block that calls a program has its place in the file, and is not the program.
+#[test]
+fn programs_of_projects_do_not_call_themselves() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/flip-flops/project.xml");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "stl", "-o", "a.stl"]);
+    let said = text(&made.stderr);
+    let Ok(list) = fs::read_to_string(folder.path().join("a.stl")) else { panic!("{said}") };
+    assert_eq!(list.matches("CALL  \"Main\", \"Main_DB\"").count(), 1, "{list}");
+}
+
 /// An output at a variable and at a wire: a document of SIMATIC SD would have the pin twice.
 #[test]
 fn outputs_with_several_connections_are_refused() {
