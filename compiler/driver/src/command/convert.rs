@@ -153,7 +153,11 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                         Some(program) => {
                             let Remarks { text, comments } = remarks(unit, &source.text).unwrap_or_else(|| {
                                 let meaning = unit.overlay.as_deref().unwrap_or(&source.text);
-                                Remarks { text: meaning.to_string(), comments: Vec::new() }
+                                let comments = match plcopen::is_project(&source.text) {
+                                    true => plcopen::comments(&source.text, meaning),
+                                    false => Vec::new(),
+                                };
+                                Remarks { text: meaning.to_string(), comments }
                             });
                             from_scl::unit(unit, program, &text, &comments)
                         }
@@ -378,7 +382,9 @@ fn written(
         Some(kind @ (XmlKind::SimaticMl(_) | XmlKind::PlcOpen)) => {
             let mut blocks = whole_blocks(made, source.len() as u32);
             // Their comments are met in the order of the text.
-            if matches!(kind, XmlKind::PlcOpen) && matches!(to, ConvertTo::Xml | ConvertTo::Sd | ConvertTo::Gr7) {
+            if matches!(kind, XmlKind::PlcOpen)
+                && matches!(to, ConvertTo::Xml | ConvertTo::Sd | ConvertTo::Gr7 | ConvertTo::Stl)
+            {
                 blocks.blocks.sort_by_key(|block| block.span().start);
             }
             whole = blocks;
@@ -387,7 +393,10 @@ fn written(
         _ => made,
     };
     let mut remarks = match &unit.overlay {
-        Some(text) if matches!(to, ConvertTo::Xml | ConvertTo::Sd | ConvertTo::Gr7) && plcopen::is_project(source) => {
+        Some(text)
+            if matches!(to, ConvertTo::Xml | ConvertTo::Sd | ConvertTo::Gr7 | ConvertTo::Stl)
+                && plcopen::is_project(source) =>
+        {
             Some(Remarks { text: text.clone(), comments: plcopen::comments(source, text) })
         }
         _ => remarks(unit, source),

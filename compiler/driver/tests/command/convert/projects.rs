@@ -117,6 +117,32 @@ fn st_of_plcopen_becomes_scl() {
     assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
 }
 
+/// Comments in ST stay when it becomes STL.
+#[test]
+fn comments_of_projects_reach_statements() {
+    const PROJECT: &str = r#"<?xml version="1.0" encoding="utf-8"?>
+<project xmlns="http://www.plcopen.org/xml/tc6_0201" xmlns:xhtml="http://www.w3.org/1999/xhtml">
+  <fileHeader companyName="a" productName="b" productVersion="1" creationDateTime="2024-01-01T00:00:00"/>
+  <contentHeader name="c"/>
+  <types><dataTypes/><pous>
+    <pou name="Count" pouType="functionBlock">
+      <interface><localVars><variable name="n"><type><INT/></type></variable></localVars></interface>
+      <body><ST><xhtml:p><![CDATA[(* begin *)
+n := n + 1; // one more
+]]></xhtml:p></ST></body>
+    </pou>
+  </pous></types>
+  <instances><configurations/></instances>
+</project>
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.xml"), PROJECT).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.xml", "--to", "stl", "--cpu", "s7-1500"]);
+    let list = text(&made.stdout);
+    assert!(list.contains("// begin\n") && list.contains("// one more\n"), "{list}{}", text(&made.stderr));
+}
+
 /// The organization block that calls a program has its place in the file, and is not the program.
 #[test]
 fn programs_of_projects_do_not_call_themselves() {
