@@ -28,7 +28,8 @@ impl SclBinder<'_, '_> {
         let names = &self.program.globals.names;
         let is_confused = names.confused.get(&fold(text)).is_some_and(|constant| constant == text);
         let global = names.symbols.contains_key(&fold(text)) && !is_confused;
-        let elsewhere = global && name.form == NameForm::Quoted || self.is_unknown_global(ctx, name);
+        let is_global = global || names.constants.contains_key(&fold(text));
+        let elsewhere = is_global && name.form == NameForm::Quoted || self.is_unknown_global(ctx, name);
         if elsewhere
             && !global
             && let Some(constant) = ctx.block.bound.constants.get(&fold(text))
