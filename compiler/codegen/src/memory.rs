@@ -13,6 +13,7 @@ use std::borrow::Cow;
 use cranelift_codegen::ir::{AliasRegion, AliasRegionData, InstBuilder, MemFlagsData, Type as ClifType, Value, types};
 use cranelift_codegen::isa::TargetFrontendConfig;
 use cranelift_frontend::FunctionBuilder;
+use plcc_abi::layout::state;
 use plcc_abi::{Type, layout};
 use plcc_ir::{Function, Module, Region};
 
@@ -87,6 +88,11 @@ pub struct Address {
     pub region: Region,
     pub base: Option<Value>,
     pub offset: u32,
+}
+
+/// The attention flag, which another thread sets: each look at it reads it, or a loop that does nothing else would never see it.
+fn is_attention(addr: Address) -> bool {
+    addr == Address { region: Region::State, base: None, offset: state::ATTENTION }
 }
 
 /// How one function reaches memory.
@@ -195,6 +201,13 @@ impl<'m> Memory<'m> {
     pub fn load(&self, b: &mut FunctionBuilder<'_>, ty: Type, addr: Address) -> Result<Value, CodegenError> {
         let place = self.place(b, addr)?;
         let clif = clif_type(ty);
+        if is_attention(addr) {
+            let at = match place.offset {
+                0 => place.pointer,
+                offset => b.ins().iadd_imm_s(place.pointer, i64::from(offset)),
+            };
+            return Ok(b.ins().atomic_load(clif, place.flags, at));
+        }
         if !place.big_endian || ty.bytes() == 1 {
             return Ok(b.ins().load(clif, place.flags, place.pointer, place.offset));
         }
