@@ -2,12 +2,12 @@
 //!
 //! `located` has the places.
 
-use plcc_ir::{BinaryOp, Type, Value};
+use plcc_ir::{BinaryOp, Block, Type, Value};
 use plcc_model::scl::{Access, Base, Part};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{Place, Width, layout};
 
-use super::located::Located;
+use super::located::{Character, Located};
 use super::{promote, value_type};
 use crate::block::BlockLowering;
 use crate::fault::Substitute;
@@ -40,23 +40,52 @@ impl BlockLowering<'_, '_> {
         let DataType::Elementary(ty) = access.ty else {
             unreachable!("the binder reads elementary variables as values")
         };
-        let value = self.read_at(located, layout::width(ty));
-        let value = self.typed(value, ty);
         let value = match located.character() {
-            Some(there) => {
-                self.fail_without(there);
-                let none = self.zero(ty);
-                self.b.select(there, value, none)
-            }
-            None => value,
+            Some(character) => self.read_character(located, character, ty),
+            None => self.read_typed(located, ty),
         };
         self.part_of(access, value)
     }
 
-    /// A character that its text does not have clears the bit.
-    fn fail_without(&mut self, there: Value) {
-        let missing = self.b.not(there);
-        self.fail_if(missing);
+    fn read_typed(&mut self, located: &Located, ty: Elementary) -> Value {
+        let value = self.read_at(located, layout::width(ty));
+        self.typed(value, ty)
+    }
+
+    /// A character of a text, 0 if the text does not have it.
+    fn read_character(&mut self, located: &Located, character: Character, ty: Elementary) -> Value {
+        if self.open_question(located).is_some() {
+            let value = self.read_typed(located, ty);
+            let missing = self.b.not(character.there);
+            self.fail_if(missing);
+            let none = self.zero(ty);
+            return self.b.select(character.there, value, none);
+        }
+        let result = self.b.declare_var(value_type(ty));
+        let none = self.zero(ty);
+        self.b.def_var(result, none);
+        let after = self.begin_character(character);
+        let value = self.read_typed(&located.of_character(character), ty);
+        self.b.def_var(result, value);
+        self.end_guard(after);
+        self.b.use_var(result)
+    }
+
+    /// Begins the way on which a text has a character, for [`end_guard`](Self::end_guard). One that its text does not have clears the bit.
+    fn begin_character(&mut self, character: Character) -> Option<Block> {
+        if self.b.constant_bits(character.there) == Some(1) {
+            return None;
+        }
+        let (there, missing, after) = (self.b.create_block(), self.b.create_cold_block(), self.b.create_block());
+        self.b.branch(character.there, there, missing);
+        self.b.seal_block(there);
+        self.b.seal_block(missing);
+        self.b.switch_to(missing);
+        let failed = self.b.bool_const(true);
+        self.fail_if(failed);
+        self.b.jump(after, &[]);
+        self.b.switch_to(there);
+        Some(after)
     }
 
     /// As [`read`](Self::read).
@@ -101,13 +130,16 @@ impl BlockLowering<'_, '_> {
             unreachable!("the binder writes elementary variables as values")
         };
         let width = layout::width(ty);
-        if access.part.is_none() && located.character().is_none() {
-            return self.store_whole(located, ty, value);
+        if let Some(character) = located.character() {
+            let check = self.index_check(located, width, Direction::Write);
+            let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
+            let after = self.begin_character(character);
+            self.store_located(access, &located.of_character(character), value);
+            self.end_guard(after);
+            return self.end_guard(guard);
         }
-        if let Some(part) = access.part
-            && matches!(access.base, Base::Place(Place::Pq { .. }))
-            && part.width == Width::Bit
-        {
+        let Some(part) = access.part else { return self.store_whole(located, ty, value) };
+        if matches!(access.base, Base::Place(Place::Pq { .. })) && part.width == Width::Bit {
             let target = self.located_target(located, width, Direction::Write);
             if let TargetKind::Peripheral { address, .. } = target.kind {
                 return self.write_peripheral_bit(address, part.index, value);
@@ -118,15 +150,7 @@ impl BlockLowering<'_, '_> {
         let guard = self.begin_guard(check.into_iter().collect(), Substitute::None);
         let before = self.read_at(located, width);
         let before = self.typed(before, ty);
-        let mut whole = match access.part {
-            Some(part) => self.with_part(before, part, value),
-            None => value,
-        };
-        // In the place of a character that its text does not have, the first one keeps its value.
-        if let Some(there) = located.character() {
-            self.fail_without(there);
-            whole = self.b.select(there, whole, before);
-        }
+        let whole = self.with_part(before, part, value);
         self.store_whole(located, ty, whole);
         self.end_guard(guard);
     }

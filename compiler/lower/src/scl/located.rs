@@ -20,12 +20,22 @@ pub struct Located<'m> {
     offset: Option<Value>,
     /// Indices that are out of bounds: the value is right if all hold.
     in_bounds: Option<Value>,
-    /// Whether the text has the character that this is, if it is one of a text by its index; `offset` is that of the first one otherwise.
-    character: Option<Value>,
+    /// It is a character of a text by its index: `offset` is that of the first one if the text does not have it.
+    character: Option<Character>,
     /// The index, if there is one and `in_bounds` is about it alone.
     index: Option<Value>,
 }
 
+/// A character of a text by its index.
+#[derive(Clone, Copy)]
+pub struct Character {
+    /// Whether the text has it: if not, it reads 0 and is not written. An i1.
+    pub there: Value,
+    /// Its distance from the base, in bits, if the text has it.
+    offset: Value,
+}
+
+#[derive(Clone, Copy)]
 enum LocatedBase<'m> {
     Place(&'m Place),
     /// Byte address and bit number in an area.
@@ -36,6 +46,7 @@ enum LocatedBase<'m> {
     },
 }
 
+#[derive(Clone, Copy)]
 enum LocatedArea {
     Memory(PlaceArea),
     /// Number of the DB, an i32.
@@ -54,9 +65,14 @@ impl<'m> Located<'m> {
         Located { base: LocatedBase::Place(place), offset: Some(offset), in_bounds, character: None, index }
     }
 
-    /// Whether the text has this character: if not, it reads 0 and is not written. `None`: it is not a character, or always there.
-    pub const fn character(&self) -> Option<Value> {
+    /// The character of a text that this is. `None`: it is not a character, or always there.
+    pub const fn character(&self) -> Option<Character> {
         self.character
+    }
+
+    /// The place of `character`, for where its text has it and all indices are in their bounds.
+    pub const fn of_character(&self, character: Character) -> Located<'m> {
+        Located { base: self.base, offset: Some(character.offset), in_bounds: None, character: None, index: None }
     }
 
     /// False for places that are, or may be, in the peripheral area.
@@ -98,21 +114,19 @@ impl BlockLowering<'_, '_> {
         for (at, index) in access.indices.iter().enumerate() {
             let value = self.signed_index(&index.value);
             only = alone.then_some(value);
-            let (mut distance, ok) = self.index(index, value, &access.indices[at + 1..]);
-            let of_text = matches!(index.bounds, IndexBounds::Characters { .. });
-            if of_text {
-                let ok = self.is_in_text(access, index, value, ok);
-                let first = self.b.i32_const(0);
-                distance = self.b.select(ok, distance, first);
-                character = Some(ok);
+            if let IndexBounds::Characters { length, in_head } = index.bounds {
+                let (distance, there) = self.character_index(access, index, value, length, in_head);
+                let before = offset.unwrap_or_else(|| self.b.i32_const(0));
+                let its = self.b.iadd(before, distance);
+                character = Some(Character { there, offset: its });
+                offset = Some(self.b.select(there, its, before));
+                continue;
             }
+            let (distance, ok) = self.index(index, value, &access.indices[at + 1..]);
             offset = Some(match offset {
                 Some(before) => self.b.iadd(before, distance),
                 None => distance,
             });
-            if of_text {
-                continue;
-            }
             in_bounds = Some(match in_bounds {
                 Some(before) => self.b.and(before, ok),
                 None => ok,
@@ -121,18 +135,35 @@ impl BlockLowering<'_, '_> {
         Located { base, offset, in_bounds, character, index: only }
     }
 
-    /// Whether a text has the character with number `value`: `declared`, and its head says so, if that counts.
-    fn is_in_text(&mut self, access: &Access, index: &Index, value: Value, declared: Value) -> Value {
-        let (IndexBounds::Characters { in_head: true, .. }, Base::Place(first)) = (index.bounds, &access.base) else {
-            return declared;
-        };
+    /// As [`index`](Self::index), for the character with number `value` of a text with a declared `length`; `in_head`: its head may say fewer.
+    fn character_index(
+        &mut self,
+        access: &Access,
+        index: &Index,
+        value: Value,
+        length: i32,
+        in_head: bool,
+    ) -> (Value, Value) {
+        let Base::Place(first) = &access.base else { return self.index_in_bounds(value, (1, length), index.stride) };
         let width = if index.stride == 8 { Width::Byte } else { Width::Word };
-        let Some(head) = place_before(first, 2 * width.bytes()) else { return declared };
+        let head = if in_head { place_before(first, 2 * width.bytes()) } else { None };
+        let Some(head) = head else { return self.index_in_bounds(value, (1, length), index.stride) };
+        // All callers give a text that has as many.
+        if let &Place::Parameter { parameter, byte: 0, .. } = &head
+            && let Some(given) = self.plan.given_text(self.block.key(), parameter)
+            && given.declared != 0
+        {
+            return self.index_in_bounds(value, (1, length.min(given.declared.into())), index.stride);
+        }
         let at_head =
             Located { base: LocatedBase::Place(&head), offset: None, in_bounds: None, character: None, index: None };
         let maximum = self.read_at(&at_head, width);
-        let there = self.b.icmp(IntCc::Ule, value, maximum);
-        self.b.and(declared, there)
+        let declared = self.b.i32_const(length as u32);
+        let is_less = self.b.icmp(IntCc::Ult, maximum, declared);
+        let count = self.b.select(is_less, maximum, declared);
+        let from_first = self.b.binary_imm(BinaryOp::Iadd, value, -1);
+        let there = self.b.icmp(IntCc::Ult, from_first, count);
+        (self.b.binary_imm(BinaryOp::Imul, from_first, i64::from(index.stride)), there)
     }
 
     /// Whether all of a structure or of an array that a reference refers to is in its DB; `None`: each access finds that out.
@@ -275,13 +306,13 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Whether the indices are in bounds, if that is not known before the program runs.
-    fn open_question(&self, located: &Located) -> Option<Value> {
+    pub(super) fn open_question(&self, located: &Located) -> Option<Value> {
         located.in_bounds.filter(|&ok| self.b.constant_bits(ok) != Some(1))
     }
 
     /// As [`open_question`](Self::open_question), and whether a text has the character.
     fn is_there(&mut self, located: &Located) -> Option<Value> {
-        match (self.open_question(located), located.character) {
+        match (self.open_question(located), located.character.map(|character| character.there)) {
             (Some(in_bounds), Some(character)) => Some(self.b.and(in_bounds, character)),
             (in_bounds, character) => in_bounds.or(character),
         }
