@@ -2,6 +2,8 @@
 
 mod values;
 
+use std::ops::Range;
+
 use plcc_diag::Span;
 use plcc_syntax::ast::{
     Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header, Retain,
@@ -30,17 +32,11 @@ impl Writer<'_> {
         };
         self.remarks_before(block.span.start);
         self.out.line(format!("{keyword} {name}{returns}"));
-        let first = match &block.code {
-            Code::Scl(body) => body.statements.first().map(|statement| statement.span.start),
-            Code::Stl(networks) => {
-                networks.iter().flat_map(|network| &network.statements).next().map(|one| one.span.start)
-            }
-            Code::Graphic(body) => body.networks.first().map(|network| network.span.start),
-            Code::Chart(_) => None,
-        };
-        let begin = self.trivia.word("BEGIN", block.name.span().end, first.unwrap_or(block.span.end));
+        let begin = self.trivia.word("BEGIN", block.name.span().end, code_start(block));
         let sections = block.sections.iter().map(|section| section.span.start);
-        let constants = block.constants.first().and_then(|first| {
+        let declared = places_of_declarations(block);
+        let constants = block.constants.first().filter(|first| declared.contains(&first.name_span.start));
+        let constants = constants.and_then(|first| {
             let word = |word| self.trivia.word(word, block.name.span().end, first.name_span.start);
             word("CONST").or_else(|| word("VAR"))
         });
@@ -196,10 +192,11 @@ impl Writer<'_> {
     /// The sections and the constants of a block in their order: in S7-SCL a constant is declared before it is a bound.
     pub(crate) fn declarations(&mut self, block: &CodeBlock) {
         let first = block.constants.first().map(|constant| constant.name_span.start);
+        let first = first.filter(|at| places_of_declarations(block).contains(at));
         let is_before = |section: &&Section| first.is_none_or(|first| section.span.start < first);
         let (before, after) = block.sections.split_at(block.sections.iter().take_while(is_before).count());
         before.iter().for_each(|section| self.section(section));
-        self.constants(&block.constants);
+        self.constants(&block.constants, &places_of_declarations(block));
         after.iter().for_each(|section| self.section(section));
     }
 
@@ -226,7 +223,8 @@ impl Writer<'_> {
         self.out.line("END_VAR");
     }
 
-    pub(crate) fn constants(&mut self, constants: &[Constant]) {
+    /// `declared`: where the declarations of the block are.
+    fn constants(&mut self, constants: &[Constant], declared: &Range<u32>) {
         let Some(first) = constants.first() else { return };
         // Those of STL in the TIA Portal have start values; expressions are of SCL.
         if self.notation == Notation::Stl
@@ -241,7 +239,10 @@ impl Writer<'_> {
         self.out.line(if first.ty.is_some() { "VAR CONSTANT" } else { "CONST" });
         self.out.indent();
         for constant in constants {
-            self.remarks_before(constant.name_span.start);
+            let is_own = declared.contains(&constant.name_span.start);
+            if is_own {
+                self.remarks_before(constant.name_span.start);
+            }
             let written = self.attributes_before(constant.name_span.start);
             let attributes = if written.is_empty() { String::new() } else { in_braces(&written) + " " };
             let name = attributes + &self.declared(&constant.name, constant.name_span);
@@ -262,7 +263,9 @@ impl Writer<'_> {
                 }
             }
             let end = constant.value.as_ref().map_or(constant.name_span.end, |value| value.span.end);
-            self.remarks_on_line(end);
+            if is_own {
+                self.remarks_on_line(end);
+            }
         }
         self.out.dedent();
         self.out.line(if first.ty.is_some() { "END_VAR" } else { "END_CONST" });
@@ -512,6 +515,22 @@ impl Writer<'_> {
             None => false,
         }
     }
+}
+
+/// Where a block declares what it has. Constants of a project in PLCopen XML are elsewhere in the file.
+pub(crate) fn places_of_declarations(block: &CodeBlock) -> Range<u32> {
+    block.span.start..code_start(block)
+}
+
+/// Where the code of a block begins, or its end.
+fn code_start(block: &CodeBlock) -> u32 {
+    let first = match &block.code {
+        Code::Scl(body) => body.statements.first().map(|statement| statement.span.start),
+        Code::Stl(networks) => networks.iter().flat_map(|network| &network.statements).next().map(|one| one.span.start),
+        Code::Graphic(body) => body.networks.first().map(|network| network.span.start),
+        Code::Chart(_) => None,
+    };
+    first.unwrap_or(block.span.end)
 }
 
 /// Whether two variables are `a, b` of one declaration `a, b : INT` in a source.

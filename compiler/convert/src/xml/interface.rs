@@ -1,5 +1,7 @@
 //! Declarations: sections, members and their start values.
 
+use std::ops::Range;
+
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
@@ -9,7 +11,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::literal::Literal;
 
 use super::{Library, elements, referred};
-use crate::frames::bare;
+use crate::frames::{bare, places_of_declarations};
 use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
@@ -34,17 +36,19 @@ pub fn of_code(block: &CodeBlock, library: &Library, writer: &mut Writer) -> Nod
     // Comments are met in the order of the text.
     let mut order: Vec<usize> = (0..block.sections.len()).collect();
     order.sort_by_key(|at| block.sections[*at].span.start);
+    let declared = places_of_declarations(block);
     let first_constant = block.constants.first().map(|constant| constant.name_span.start);
+    let first_constant = first_constant.filter(|at| declared.contains(at));
     let mut constants = None;
     let mut members: Vec<Vec<Node>> = vec![Vec::new(); block.sections.len()];
     for at in order {
         let section = &block.sections[at];
         if constants.is_none() && first_constant.is_some_and(|first| first < section.span.start) {
-            constants = Some(of_constants(&block.constants, library, writer));
+            constants = Some(of_constants(&block.constants, &declared, library, writer));
         }
         members[at] = of_section(section, library, writer);
     }
-    let constants = constants.unwrap_or_else(|| of_constants(&block.constants, library, writer));
+    let constants = constants.unwrap_or_else(|| of_constants(&block.constants, &declared, library, writer));
     for (kind, name) in kinds {
         let is_own = |section: &Section| section.kind == *kind;
         if *kind == SectionKind::Static && !is_fb && !block.sections.iter().any(is_own) {
@@ -89,7 +93,8 @@ fn of_section(section: &Section, library: &Library, writer: &mut Writer) -> Vec<
     found
 }
 
-fn of_constants(constants: &[Constant], library: &Library, writer: &mut Writer) -> Node {
+/// `declared`: where the declarations of the block are.
+fn of_constants(constants: &[Constant], declared: &Range<u32>, library: &Library, writer: &mut Writer) -> Node {
     let mut section = Node::new("Section").with("Name", "Constant");
     for constant in constants {
         let Some(ty) = &constant.ty else {
@@ -97,12 +102,18 @@ fn of_constants(constants: &[Constant], library: &Library, writer: &mut Writer) 
             writer.refuse(constant.name_span, title, "declare it in VAR CONSTANT, with its type");
             continue;
         };
-        let mut remarks = writer.trivia.before(constant.name_span.start);
-        remarks.retain(|remark| !writer.is_written(&remark.text));
+        let mut remarks = Vec::new();
+        let is_own = declared.contains(&constant.name_span.start);
+        if is_own {
+            remarks = writer.trivia.before(constant.name_span.start);
+            remarks.retain(|remark| !writer.is_written(&remark.text));
+        }
         let mut node = typed(&constant.name, ty, library, writer);
-        let end = constant.value.as_ref().map(|value| value.span.end);
-        let end = end.or(constant.initial.as_ref().map(|value| value.span.end)).unwrap_or(ty.span.end);
-        remarks.extend(writer.trivia.on_line(end));
+        if is_own {
+            let end = constant.value.as_ref().map(|value| value.span.end);
+            let end = end.or(constant.initial.as_ref().map(|value| value.span.end)).unwrap_or(ty.span.end);
+            remarks.extend(writer.trivia.on_line(end));
+        }
         let lines: Vec<String> = remarks.iter().map(|remark| bare(&remark.text)).collect();
         add_comment(&mut node, &lines);
         if let Some(value) = &constant.value {

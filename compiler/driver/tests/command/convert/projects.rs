@@ -117,6 +117,36 @@ fn st_of_plcopen_becomes_scl() {
     assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
 }
 
+/// A constant that a project declares after the bodies has none of their comments.
+#[test]
+fn comments_of_projects_stay_out_of_constants() {
+    const PROJECT: &str = r#"<?xml version="1.0" encoding="utf-8"?>
+<project xmlns="http://www.plcopen.org/xml/tc6_0201" xmlns:xhtml="http://www.w3.org/1999/xhtml">
+  <fileHeader companyName="a" productName="b" productVersion="1" creationDateTime="2024-01-01T00:00:00"/>
+  <contentHeader name="c"/>
+  <types><dataTypes/><pous>
+    <pou name="Count" pouType="functionBlock">
+      <interface><localVars><variable name="n"><type><INT/></type></variable></localVars></interface>
+      <body><ST><xhtml:p><![CDATA[(* begin *)
+n := n + STEP_OF_N; // one more
+]]></xhtml:p></ST></body>
+    </pou>
+  </pous></types>
+  <instances><configurations><configuration name="c"><resource name="r"><globalVars constant="true"><variable name="STEP_OF_N"><type><INT/></type><initialValue><simpleValue value="2"/></initialValue></variable></globalVars></resource></configuration></configurations></instances>
+</project>
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.xml"), PROJECT).expect("the folder can be written");
+    for (to, code) in [("scl", "BEGIN"), ("xml", "<StructuredText")] {
+        let made = plcc(folder, &["convert", "a.xml", "--to", to, "--cpu", "s7-1500"]);
+        let found = text(&made.stdout);
+        let (declared, code) = found.split_once(code).unwrap_or_else(|| panic!("{found}{}", text(&made.stderr)));
+        assert!(declared.contains("STEP_OF_N") && !declared.contains("one more"), "{found}");
+        assert!(code.contains("begin") && code.contains("one more"), "{found}");
+    }
+}
+
 /// Comments in ST stay when it becomes STL.
 #[test]
 fn comments_of_projects_reach_statements() {
