@@ -14,6 +14,9 @@
 //! ```
 //!
 //! The outermost loop that is small enough is copied with all in it.
+//!
+//! Cold sides before a loop also go on in the copy, so that what they bring does not count on the hot way: the length of a text that the
+//! runtime had to look for. The block in which they would meet the hot way is copied with the loop.
 
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::{Block, Function, InstData, Region, RuntimeFn};
@@ -28,6 +31,8 @@ use crate::variables::{Versions, copy_blocks, join_versions, move_constants};
 const LOOP_MAX: usize = 1500;
 /// Instructions that copies may add to a function.
 const GROWTH: usize = 4000;
+/// Instructions of a block before a loop that is copied with it.
+const MEET_MAX: usize = 60;
 /// Larger functions are left as they are.
 const INSTS_MAX: usize = 20_000;
 
@@ -44,25 +49,55 @@ pub fn part_cold_loops(function: &mut Function, surroundings: &Surroundings) -> 
     let mut done: FxHashSet<Block> = FxHashSet::default();
     let mut versions = Versions::default();
     for each in &loops.all {
-        let insts: usize = each.blocks.iter().map(|&block| function.blocks[block].insts.len()).sum();
+        let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
+        let meeting =
+            meeting_before(function, &cfg, &dominators, each, &inside).filter(|(meet, _)| !done.contains(meet));
+        let meet = meeting.as_ref().map(|&(meet, _)| meet).filter(|&meet| meet != each.header);
+        let copied = each.blocks.iter().copied().chain(meet);
+        let insts: usize = copied.map(|block| function.blocks[block].insts.len()).sum();
         if insts > LOOP_MAX.min(growth) || each.header == function.entry() || done.contains(&each.header) {
             continue;
         }
-        let inside: FxHashSet<Block> = each.blocks.iter().copied().collect();
-        if function.blocks[each.header].cold || !comes_back(function, effects, &cfg, each, &inside) {
+        let has_cold_sides = meeting.is_some() || comes_back(function, effects, &cfg, each, &inside);
+        if function.blocks[each.header].cold || !has_cold_sides {
             continue;
         }
         // A block of a loop that was copied is no longer on all ways.
-        let before = dominators.immediate(each.header).filter(|before| !done.contains(before));
+        let before = dominators.immediate(meet.unwrap_or(each.header)).filter(|before| !done.contains(before));
         let before = before.unwrap_or(function.entry());
         growth -= insts;
-        done.extend(&inside);
-        copy(function, each, &inside, before, &mut versions);
+        let mut cold: Vec<Block> = each.blocks.iter().copied().filter(|&block| function.blocks[block].cold).collect();
+        cold.extend(meeting.into_iter().flat_map(|(_, ways)| ways));
+        let copied: FxHashSet<Block> = inside.into_iter().chain(meet).collect();
+        done.extend(&copied);
+        copy(function, &cold, &copied, before, &mut versions);
     }
     if !versions.made.is_empty() {
         join_versions(function, &versions);
     }
     !versions.made.is_empty()
+}
+
+/// The block before a loop in which cold sides meet the hot way, or the loop's header, and these sides.
+fn meeting_before(
+    function: &Function,
+    cfg: &ControlFlow,
+    dominators: &Dominators,
+    each: &Loop,
+    inside: &FxHashSet<Block>,
+) -> Option<(Block, Vec<Block>)> {
+    let ways: Vec<Block> = cfg.predecessors(each.header).iter().copied().filter(|way| !inside.contains(way)).collect();
+    let (meet, ways) = match ways[..] {
+        [only] => (only, cfg.predecessors(only).to_vec()),
+        _ => (each.header, ways),
+    };
+    let is_header = ways.iter().any(|&way| dominators.dominates(meet, way));
+    let data = &function.blocks[meet];
+    if data.cold || data.params.is_empty() || data.insts.len() > MEET_MAX || meet == function.entry() || is_header {
+        return None;
+    }
+    let (cold, hot): (Vec<Block>, Vec<Block>) = ways.into_iter().partition(|&way| function.blocks[way].cold);
+    (!cold.is_empty() && !hot.is_empty()).then_some((meet, cold))
 }
 
 /// True if a cold side that may change something goes on where the hot way does.
@@ -101,15 +136,16 @@ fn calls(function: &Function, block: Block) -> bool {
     function.blocks[block].insts.iter().any(|&inst| is_call(&function.insts[inst]))
 }
 
-/// Copies a loop; cold blocks that go on in it go on in the copy. `before` is a block that all ways to the loop pass.
-fn copy(function: &mut Function, each: &Loop, inside: &FxHashSet<Block>, before: Block, versions: &mut Versions) {
+/// Copies a loop, the blocks `inside`; where the `cold` blocks go on in it, they go on in the copy. `before` is a block that all ways to the loop
+/// pass.
+fn copy(function: &mut Function, cold: &[Block], inside: &FxHashSet<Block>, before: Block, versions: &mut Versions) {
     let order: Vec<Block> = function.layout.iter().copied().filter(|block| inside.contains(block)).collect();
     move_constants(function, &order, before);
     let copies = copy_blocks(function, &order, versions);
     for copy in copies.values() {
         function.blocks[*copy].cold = true;
     }
-    for &block in each.blocks.iter().filter(|&&block| function.blocks[block].cold) {
+    for &block in cold {
         let Some(last) = function.terminator(block) else { continue };
         let mut data = function.insts[last].clone();
         data.for_each_target_mut(|call| {
