@@ -11,8 +11,8 @@
 //! ```
 //!
 //! An operation whose own result is made canonical, or only used by such ones and by comparisons, takes the result as the host
-//! made it. A value that a loop carries is made canonical after the loop instead of in each pass, where only then its form is
-//! seen.
+//! made it; so does a block that only hands on what it gets. A value that a loop carries is made canonical after the loop instead of in each pass,
+//! where only then its form is seen.
 //!
 //! A statement list keeps a REAL as bits. The lesser or the greater of two is chosen among floats, which is one instruction of the
 //! machine, and what a loop carries as bits only to make a float of it is carried as a float:
@@ -69,10 +69,25 @@ pub fn relax_floats(function: &mut Function) -> bool {
                 let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
                 data.map_uses(|value| made.get(&function.resolve(value)).map_or(value, |canonical| canonical.raw));
                 function.insts[inst] = data;
+            } else if function.insts[inst].is_terminator() {
+                bring_as_made(function, inst, &made, &seen);
             }
         }
     }
     true
+}
+
+/// Jumps bring what the host made to parameters whose form is not seen.
+fn bring_as_made(function: &mut Function, jump: Inst, made: &FxHashMap<Value, Canonical>, seen: &[bool]) {
+    let mut data = std::mem::replace(&mut function.insts[jump], InstData::Const { bits: 0 });
+    data.for_each_target_mut(|call| {
+        for (&param, arg) in function.blocks[call.block].params.iter().zip(call.args.iter_mut()) {
+            if let (false, Some(canonical)) = (seen[param.index()], made.get(&function.resolve(*arg))) {
+                *arg = canonical.raw;
+            }
+        }
+    });
+    function.insts[jump] = data;
 }
 
 /// Where the canonical form is chosen among bits, it is chosen among floats: operations want floats, and a statement list works on
@@ -565,6 +580,41 @@ mod tests {
             v7 = funo v6, v6
             v8 = select v7, v4, v6
             ret v8
+            }",
+        );
+    }
+
+    #[test]
+    fn a_block_that_only_compares_gets_results_as_the_host_made_them() {
+        check_pass(
+            "floats",
+            "func @F -> i1 {
+            b0(v0: f32, v1: f32, v2: i1):
+            v3 = const.f32 0xffffffff
+            branch v2, b1, b2(v1)
+            b1:
+            v4 = fdiv v0, v1
+            v5 = funo v4, v4
+            v6 = select v5, v3, v4
+            jump b2(v6)
+            b2(v7: f32):
+            v8 = fmul v7, v7
+            v9 = flt v8, v1
+            ret v9
+            }",
+            "func @F -> i1 {
+            b0(v0: f32, v1: f32, v2: i1):
+            v3 = const.f32 0xffffffff
+            branch v2, b1, b2(v1)
+            b1:
+            v4 = fdiv v0, v1
+            v5 = funo v4, v4
+            v6 = select v5, v3, v4
+            jump b2(v4)
+            b2(v7: f32):
+            v8 = fmul v7, v7
+            v9 = flt v8, v1
+            ret v9
             }",
         );
     }
