@@ -84,7 +84,45 @@ struct Bound {
     bits: u64,
 }
 
+/// A float that is compared with a constant, and whether that is the least or the greatest that it can be.
+struct FloatBound {
+    number: Value,
+    is_least: bool,
+    limit: f64,
+}
+
 impl Folder<'_> {
+    /// A float that is below one constant and above a greater one does not exist: limits in both orders are tested where which one is the
+    /// upper one is only known when the program runs.
+    pub(super) fn never_both(&self, op: BinaryOp, a: Value, b: Value) -> Option<Change> {
+        if op != BinaryOp::And {
+            return None;
+        }
+        let (one, two) = (self.float_bound(a)?, self.float_bound(b)?);
+        let (least, greatest) = if one.is_least { (one, two) } else { (two, one) };
+        let is_pair = least.is_least && !greatest.is_least && least.number == greatest.number;
+        if is_pair && least.limit > greatest.limit { constant(0) } else { None }
+    }
+
+    fn float_bound(&self, compare: Value) -> Option<FloatBound> {
+        let &InstData::FloatCompare { cc, args: [a, b] } = self.function.defining(compare)? else { return None };
+        let is_least = match cc {
+            FloatCc::Gt | FloatCc::Ge => true,
+            FloatCc::Lt | FloatCc::Le => false,
+            FloatCc::Eq | FloatCc::Ne | FloatCc::Uno => return None,
+        };
+        let (number, bits, is_least) = match (self.constant(a), self.constant(b)) {
+            (None, Some(bits)) => (a, bits, is_least),
+            (Some(bits), None) => (b, bits, !is_least),
+            _ => return None,
+        };
+        let limit = match self.ty(number) {
+            Type::F32 => f32::from_bits(bits as u32).into(),
+            _ => f64::from_bits(bits),
+        };
+        Some(FloatBound { number, is_least, limit })
+    }
+
     /// A number between two constants, by one comparison of its distance from the first.
     pub(super) fn between(&mut self, op: BinaryOp, a: Value, b: Value) -> Option<Change> {
         if op != BinaryOp::And || self.ty(a) != Type::I1 {

@@ -38,6 +38,7 @@ impl Folder<'_> {
                 .or_else(|| self.absorbed(op, a, b))
                 .or_else(|| if ty == Type::I1 { self.combined_compares(op, a, b) } else { self.disjoint(op, a, b) })
                 .or_else(|| self.between(op, a, b))
+                .or_else(|| self.never_both(op, a, b))
                 .or_else(|| self.wrapped_place(op, a, b)),
             BinaryOp::Xor => match (self.negated(a), self.negated(b)) {
                 (Some(x), Some(y)) => Some(Change::Data(InstData::Binary { op, args: [x, y] })),

@@ -201,6 +201,19 @@ fn a_counter_under_a_condition_is_a_sum() {
 }
 
 #[test]
+fn limits_in_both_orders() {
+    // From 0.0 to 100.0, or from 100.0 to 0.0.
+    let text = "v10 = const.f32 0x0 ; 0.0\nv11 = const.f32 0x42c80000 ; 100.0\nv12 = fge v4, v10\nv13 = fle v4, v11\nv14 = and v12, v13\n";
+    let other =
+        "v15 = fle v4, v10\nv16 = fle v11, v4\nv17 = and v15, v16\nv18 = or v14, v17\nv19 = zext.i32 v18\nret v19";
+    check(&format!("{text}{other}"), &format!("{text}v19 = zext.i32 v14\nret v19"));
+    // 0.0 is not above -0.0.
+    let text = "v10 = const.f32 0x0 ; 0.0\nv11 = const.f32 0x80000000 ; -0.0\nv12 = fge v4, v10\nv13 = fle v4, v11\nv14 = and v12, v13\nv15 = \
+         zext.i32 v14\nret v15";
+    check(text, text);
+}
+
+#[test]
 fn a_number_between_two_constants_takes_one_comparison() {
     // From '0' to '9'.
     check(
