@@ -7,10 +7,14 @@
 
 mod companions;
 
+use plcc_abi::layout;
 use plcc_ir::analysis::{ControlFlow, Dominators};
 use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
-use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, IntCc, Type, UnaryOp, Value};
+use plcc_ir::{
+    Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, IntCc, Region, StaticDb, Type, UnaryOp,
+    Value,
+};
 use rustc_hash::FxHashMap;
 
 use super::interval::{self, Interval};
@@ -35,6 +39,8 @@ pub struct Ranges<'f> {
     function: &'f Function,
     cfg: &'f ControlFlow,
     dominators: &'f Dominators,
+    /// Sorted by number.
+    dbs: &'f [StaticDb],
     /// What each value can be anywhere; `None`: it was not computed yet.
     values: Vec<Option<Interval>>,
     /// What is known in addition here, of each value.
@@ -69,12 +75,18 @@ enum Phase {
 }
 
 impl<'f> Ranges<'f> {
-    /// Analyses `function`; `None`: it takes too long.
-    pub fn of(function: &'f Function, cfg: &'f ControlFlow, dominators: &'f Dominators) -> Option<Ranges<'f>> {
+    /// Analyses `function`; `None`: it takes too long. `dbs`, sorted by number, are those whose addresses are known.
+    pub fn of(
+        function: &'f Function,
+        cfg: &'f ControlFlow,
+        dominators: &'f Dominators,
+        dbs: &'f [StaticDb],
+    ) -> Option<Ranges<'f>> {
         let mut ranges = Ranges {
             function,
             cfg,
             dominators,
+            dbs,
             values: vec![None; function.values.len()],
             here: vec![None; function.values.len()],
             undo: Vec::new(),
@@ -310,10 +322,30 @@ impl<'f> Ranges<'f> {
                     [a, b] => a.or(b)?,
                 }
             }
-            InstData::AddressOf { .. } => Interval::between(0, i64::from(i32::MAX)),
+            InstData::AddressOf { addr } => {
+                let base = addr.base.map_or(Some(Interval::between(0, 0)), |base| self.get(base))?;
+                self.address(addr, base).unwrap_or(Interval::between(0, i64::from(i32::MAX)))
+            }
             InstData::Unary { op: UnaryOp::Ctz, .. } => Interval::between(0, i64::from(ty.bits())),
             _ => full,
         })
+    }
+
+    /// Where a place is from the memory base on, if that is known and its `base` does not wrap.
+    fn address(&self, addr: &Address, base: Interval) -> Option<Interval> {
+        let first = match addr.region {
+            Region::I => layout::I,
+            Region::Q => layout::Q,
+            Region::M => layout::M,
+            Region::Db(number) => {
+                let index = self.dbs.binary_search_by_key(&number, |db| db.number).ok()?;
+                self.dbs[index].address
+            }
+            _ => return None,
+        };
+        let first = i64::from(first) + i64::from(addr.offset);
+        let hi = first.checked_add(base.hi)?;
+        (base.is_natural() && hi <= i64::from(i32::MAX)).then(|| Interval::between(first + base.lo, hi))
     }
 
     /// The condition of the only branch to `block` is known in it.
@@ -482,6 +514,7 @@ fn derived(function: &Function, cfg: &ControlFlow) -> FxHashMap<Value, Vec<Value
                         | BinaryOp::Ashr,
                     args: [a, b],
                 } if function.constant(b).is_some() => a,
+                InstData::AddressOf { addr: Address { base: Some(base), .. } } => base,
                 _ => continue,
             };
             if function.ty(from) != Type::I1 {

@@ -52,7 +52,7 @@ pub fn base_ranges(function: &Function, cfg: &ControlFlow, dominators: &Dominato
     if is_too_large(function) {
         return found;
     }
-    let Some(mut ranges) = Ranges::of(function, cfg, dominators) else { return found };
+    let Some(mut ranges) = Ranges::of(function, cfg, dominators, &[]) else { return found };
     ranges.begin();
     for &block in &dominators.preorder {
         ranges.enter(block);
@@ -144,7 +144,7 @@ struct Done {
 fn use_once(function: &mut Function, surroundings: &Surroundings, last: bool) -> Done {
     let cfg = ControlFlow::new(function);
     let dominators = Dominators::new(function, &cfg);
-    let Some(mut ranges) = Ranges::of(function, &cfg, &dominators) else { return Done::default() };
+    let Some(mut ranges) = Ranges::of(function, &cfg, &dominators, &surroundings.dbs) else { return Done::default() };
     let mut changes: Vec<(Block, Inst, Change)> = Vec::new();
     ranges.begin();
     for &block in &dominators.preorder {

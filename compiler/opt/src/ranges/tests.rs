@@ -1,4 +1,4 @@
-use crate::tests::check_pass;
+use crate::tests::{check_body, check_pass};
 
 #[test]
 fn the_index_of_a_loop_needs_no_check() {
@@ -713,4 +713,33 @@ fn a_pointer_to_the_element_that_a_counter_names_gets_as_far_as_that() {
     check_pass("ranges", &text("ult v9, v11", "4294967280"), &text("const.i1 1", "4294967280"));
     // Steps that do not go with the beginning: the pointer gets to -7 * 16.
     check_pass("ranges", &text("ult v9, v11", "4294967272"), &text("ult v9, v11", "4294967272"));
+}
+
+#[test]
+fn an_element_is_where_its_index_says() {
+    check_body(
+        "ranges",
+        "v2 = address DB5[v0]+4
+        v3 = const.i32 9
+        v4 = ule v0, v3
+        branch v4, b1, b2
+        b1:
+        v5 = const.i32 4194318
+        v6 = ult v2, v5
+        v7 = zext.i32 v6
+        ret v7
+        b2:
+        ret v2",
+        "v2 = address DB5[v0]+4
+        v3 = const.i32 9
+        v4 = ule v0, v3
+        branch v4, b1, b2
+        b1:
+        v5 = const.i32 4194318
+        v6 = const.i1 1
+        v7 = const.i32 1
+        ret v7
+        b2:
+        ret v2",
+    );
 }
