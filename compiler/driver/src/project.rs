@@ -463,13 +463,14 @@ pub(crate) fn duration_of(text: &str, unit_ns: u64) -> Option<u64> {
     ns.is_multiple_of(unit_ns).then_some(ns / unit_ns)
 }
 
-/// `2026-01-31T06:00:00`, in the years that an S7 clock has.
 /// `2026-01-31T06:00:00` for `31.01.2026 06:00` and `2026-01-31 06:00`.
 fn meant_date(text: &str) -> Option<String> {
     let numbers = text.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty());
     let numbers: Vec<u32> = numbers.map(|part| part.parse().ok()).collect::<Option<_>>()?;
     let (year, month, day, time) = match numbers.as_slice() {
-        [day, month, year @ 1000.., time @ ..] | [year @ 1000.., month, day, time @ ..] => (year, month, day, time),
+        [day, month, year @ 1000..=u32::MAX, time @ ..] | [year @ 1000..=u32::MAX, month, day, time @ ..] => {
+            (year, month, day, time)
+        }
         _ => return None,
     };
     let part = |index: usize| time.get(index).copied().unwrap_or_default();
