@@ -247,6 +247,17 @@ impl Folder<'_> {
                 let cb = self.emit_const(narrow, cut);
                 Some(Change::Data(InstData::IntCompare { cc, args: [arg, cb] }))
             }
+            // A number that is 0 or 1 is a bit.
+            InstData::Binary { op: BinaryOp::And, .. }
+                if equality && cb <= 1 && unsigned_max(self.function, a) == 1 =>
+            {
+                let bit = InstData::Convert { op: ConvertOp::Trunc, arg: a };
+                if (cc == IntCc::Eq) == (cb == 1) {
+                    return Some(Change::Data(bit));
+                }
+                let (bit, one) = (self.emit(bit, Type::I1), self.emit_const(Type::I1, 1));
+                Some(Change::Data(InstData::Binary { op: BinaryOp::Xor, args: [bit, one] }))
+            }
             InstData::Binary { op: BinaryOp::Isub | BinaryOp::Xor, args } if equality && cb == 0 => {
                 Some(Change::Data(InstData::IntCompare { cc, args }))
             }

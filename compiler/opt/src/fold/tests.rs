@@ -201,6 +201,12 @@ fn a_counter_under_a_condition_is_a_sum() {
 }
 
 #[test]
+fn a_number_that_is_0_or_1_is_a_bit() {
+    let text = "v10 = const.i32 1\nv11 = and v0, v10\nv12 = eq v11, v10\nv13 = zext.i16 v12\nv14 = iadd v3, v13\nstore.i16 M 0, v14\nret v0";
+    check(text, "v10 = trunc.i1 v0\nv11 = zext.i16 v10\nv12 = iadd v3, v11\nstore.i16 M 0, v12\nret v0");
+}
+
+#[test]
 fn limits_in_both_orders() {
     // From 0.0 to 100.0, or from 100.0 to 0.0.
     let text = "v10 = const.f32 0x0 ; 0.0\nv11 = const.f32 0x42c80000 ; 100.0\nv12 = fge v4, v10\nv13 = fle v4, v11\nv14 = and v12, v13\n";
