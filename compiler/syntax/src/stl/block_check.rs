@@ -1,8 +1,10 @@
 //! Checks of a block's statements that need no names: parentheses, zones of the MCR, and labels without an instruction.
 
+use std::collections::BTreeMap;
+
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 
-use crate::ast::{CodeBlock, Statement, StatementKind};
+use crate::ast::{CodeBlock, OperandKind, Statement, StatementKind};
 use crate::stl::StlInsn;
 
 /// Entries of the nesting stack. Source: Statement List (STL), chapter 1 (bit logic), nesting.
@@ -70,11 +72,21 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
     }
 }
 
-/// Warns of zones of the master control relay that do not match: the CPU goes to STOP when it executes the instruction.
+/// Warns of zones of the master control relay that do not match: the CPU goes to STOP when it executes the instruction. Zones act by their
+/// order in time: if a jump changes how many are open, their order in the text says nothing.
 fn zones<'s>(statements: impl Iterator<Item = &'s Statement>, diagnostics: &mut Vec<Diagnostic>) {
     let mut open: Vec<Span> = Vec::new();
+    let mut found = Vec::new();
+    // With the number of open zones.
+    let (mut labels, mut jumps) = (BTreeMap::new(), Vec::new());
     for statement in statements {
-        let StatementKind::Instruction { insn, mnemonic_span: span, .. } = &statement.kind else { continue };
+        if let Some(label) = &statement.label {
+            labels.insert(label.name.as_str(), open.len());
+        }
+        let StatementKind::Instruction { insn, mnemonic_span: span, operand } = &statement.kind else { continue };
+        if let Some(OperandKind::Label(name)) = operand.as_ref().map(|operand| &operand.kind) {
+            jumps.push((name.as_str(), open.len()));
+        }
         let message = match insn {
             StlInsn::McrOpen => {
                 open.push(*span);
@@ -93,7 +105,10 @@ fn zones<'s>(statements: impl Iterator<Item = &'s Statement>, diagnostics: &mut 
             }
             _ => continue,
         };
-        diagnostics.push(Diagnostic { severity: Severity::Warning, ..message });
+        found.push(Diagnostic { severity: Severity::Warning, ..message });
+    }
+    if jumps.iter().all(|(name, zones)| labels.get(name).is_none_or(|there| there == zones)) {
+        diagnostics.extend(found);
     }
 }
 
