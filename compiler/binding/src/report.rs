@@ -112,8 +112,8 @@ impl Report {
         self.searches <= SEARCHES_MAX
     }
 
-    /// `meant`: a name that resembles it.
-    pub fn missing_symbol(&mut self, name: &str, span: Span, meant: Option<String>) {
+    /// `meant`: a name that resembles it. `in_stl`: an operand of STL.
+    pub fn missing_symbol(&mut self, name: &str, span: Span, meant: Option<String>, in_stl: bool) {
         if let Some(message) = block_without_number(name, span) {
             return self.push(message);
         }
@@ -137,7 +137,7 @@ impl Report {
             if let Some(value) = foreign_value(name).filter(|_| !quoted) {
                 return message.help(format!("write {value}"));
             }
-            if let Some(help) = register_of_stl(name).filter(|_| !quoted && meant.is_none()) {
+            if let Some(help) = register_of_stl(name).filter(|_| in_stl && !quoted && meant.is_none()) {
                 return message.help(help);
             }
             if is_duration(name) {

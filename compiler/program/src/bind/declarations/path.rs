@@ -123,6 +123,11 @@ impl Declarations<'_> {
             },
             PathRoot::Bare { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
+                None if self.globals.global(name).is_none() => {
+                    let locals = ctx.bound.locals.values().map(|local| local.name.as_str());
+                    self.globals.unknown_operand(name, *span, locals);
+                    return None;
+                }
                 None => self.resolve_global(ctx, name, *span)?,
             },
             PathRoot::Quoted { name, span } => self.resolve_global(ctx, name, *span)?,

@@ -143,6 +143,15 @@ impl Globals<'_> {
 
     /// Reports a name that nothing defines. `locals`: the names that the block declares.
     pub fn unknown_name<'n>(&mut self, name: &str, span: Span, locals: impl Iterator<Item = &'n str>) {
+        self.unknown(name, span, locals, false);
+    }
+
+    /// The same of an operand of STL.
+    pub fn unknown_operand<'n>(&mut self, name: &str, span: Span, locals: impl Iterator<Item = &'n str>) {
+        self.unknown(name, span, locals, true);
+    }
+
+    fn unknown<'n>(&mut self, name: &str, span: Span, locals: impl Iterator<Item = &'n str>, in_stl: bool) {
         match self.known_block(name) {
             Some(block) => {
                 let prefix = if block.fb { BlockPrefix::Fb } else { BlockPrefix::Fc };
@@ -154,7 +163,7 @@ impl Globals<'_> {
                     return self.report.unreadable_symbol(name, span, row);
                 }
                 let meant = self.path_in_quotes(name).or_else(|| self.similar_name(name, locals));
-                self.report.missing_symbol(name, span, meant);
+                self.report.missing_symbol(name, span, meant, in_stl);
             }
         }
     }
