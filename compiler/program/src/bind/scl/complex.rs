@@ -57,9 +57,10 @@ impl SclBinder<'_, '_> {
             && !parameters.any(|parameter| plcc_binding::fold(&parameter.name) == folded)
     }
 
-    /// Whether the node is a text or a STRING; mistakes in it are not reported.
+    /// Whether the node is a text, or names a STRING; mistakes in it are not reported.
     pub(super) fn is_text_operand(&mut self, ctx: &mut SclBlock, node: &Node) -> bool {
-        self.quiet_value(ctx, node).as_ref().is_some_and(is_narrow_text)
+        // Nothing that has operators itself is bound for this, so that a chain of them is not bound repeatedly.
+        is_simple(node) && self.quiet_value(ctx, node).as_ref().is_some_and(is_narrow_text)
     }
 
     /// Converts a bound value to the complex type `ty`; reports a value that cannot have it.
@@ -280,6 +281,19 @@ pub fn copied_bytes(ty: &DataType) -> u32 {
             }
         }
         other => layout::bytes(other),
+    }
+}
+
+/// A literal, or a variable whose indices are literals and names.
+fn is_simple(node: &Node) -> bool {
+    let is_word = |node: &Node| matches!(node.kind, NodeKind::Literal(_) | NodeKind::Name(_));
+    let mut inner = node;
+    loop {
+        match &inner.kind {
+            NodeKind::Member { base, .. } => inner = base,
+            NodeKind::Index { base, indices } if indices.iter().all(is_word) => inner = base,
+            _ => return is_word(inner),
+        }
     }
 }
 
