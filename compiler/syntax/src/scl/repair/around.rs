@@ -64,7 +64,10 @@ impl Repair<'_> {
     pub(super) fn region_with_sign(&mut self, token: RawToken) -> bool {
         let at = self.at;
         let is = |token: RawToken, word: &str| {
-            token.first_on_line && token.kind == RawKind::Local && self.slice(token).eq_ignore_ascii_case(word)
+            token.first_on_line
+                && at == self.statement
+                && token.kind == RawKind::Local
+                && self.slice(token).eq_ignore_ascii_case(word)
         };
         let (begins, ends) = (is(token, "#region"), is(token, "#endregion"));
         let is_statement = self.beside(at + 1).is_some_and(|next| next.kind != RawKind::Word);
