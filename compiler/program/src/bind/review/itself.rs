@@ -8,7 +8,7 @@ use plcc_model::Place;
 use plcc_model::scl::{Access, Base, BinaryOp, CompareOp, Expr, ExprKind, Statement, StatementKind, walk};
 
 use super::region::{Bits, Region};
-use super::same::comparable;
+use super::same::comparable_names;
 
 /// Reports them in a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
@@ -122,7 +122,7 @@ impl Pairs<'_> {
 
     /// Of `v[FIRST]` and `v[LAST]` the constants may have other values in the next version.
     fn are_written_alike(&self, left: Span, right: Span) -> bool {
-        let written = |span| comparable((self.text)(span)).replace('#', "");
+        let written = |span| comparable_names((self.text)(span));
         written(left) == written(right)
     }
 

@@ -6,7 +6,7 @@ use plcc_syntax::Elementary;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::branches::may_differ;
-use super::same::comparable;
+use super::same::comparable_names;
 
 /// Reports the conditions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
@@ -65,7 +65,7 @@ impl walk::Visitor for Conditions<'_> {
                 ExprKind::Unary { op: UnaryOp::Not, operand } => (&**operand, true),
                 _ => (part, false),
             };
-            let written = comparable((self.text)(inner.span)).replace('#', "");
+            let written = comparable_names((self.text)(inner.span));
             if written.is_empty() || matches!(inner.kind, ExprKind::Const(_)) || may_differ(inner) {
                 continue;
             }

@@ -10,7 +10,6 @@ pub fn comparable(text: String) -> String {
     if text.contains('"') {
         return text.to_uppercase();
     }
-    let is_word = |sign: char| sign.is_alphanumeric() || sign == '_';
     let mut whole = String::with_capacity(text.len());
     for word in text.split_whitespace() {
         if whole.ends_with(is_word) && word.starts_with(is_word) {
@@ -19,6 +18,28 @@ pub fn comparable(text: String) -> String {
         whole.push_str(word);
     }
     whole.to_uppercase()
+}
+
+/// As [`comparable`], without the `#` before names, which may be left out. That inside of constants, as in `16#10` and `'#'`, stays.
+pub fn comparable_names(text: String) -> String {
+    let text = comparable(text);
+    if text.contains('\'') {
+        return text;
+    }
+    let mut whole = String::with_capacity(text.len());
+    let mut in_quotes = false;
+    for sign in text.chars() {
+        if sign == '#' && !in_quotes && !whole.ends_with(is_word) {
+            continue;
+        }
+        in_quotes ^= sign == '"';
+        whole.push(sign);
+    }
+    whole
+}
+
+fn is_word(sign: char) -> bool {
+    sign.is_alphanumeric() || sign == '_'
 }
 
 /// Whether a value depends on more than variables, or evaluating it changes something. What is inside it is not looked at.
