@@ -51,6 +51,8 @@ fn range(address: &str) -> Option<Range> {
     };
     let (byte, bit) = match rest.split_once('.') {
         Some((byte, bit)) => (byte, bit.parse::<u32>().ok()?),
+        // `i1` is a variable.
+        None if bits == 1 => return None,
         None => (rest, 0),
     };
     let from = u64::from(byte.parse::<u32>().ok()?) * 8 + u64::from(bit);
@@ -155,6 +157,7 @@ mod tests {
             ("%MW10 := Switch + \"Motor on\";", &[("%MW10", "MW10"), ("Switch", "I0.3"), ("\"Motor on\"", "Q4.0")]),
             ("#switch := 'I0.0'; x := \"nobody", &[]),
             ("L W#16#1234; A(; T 5; ü", &[]),
+            ("i1 := M2 + e3 * Q 4;", &[]),
             ("LD SM0.1 AIW4", &[("SM0.1", "SM0.1"), ("AIW4", "AIW4")]),
         ] {
             let found = operands(line, &symbols);
