@@ -8,7 +8,7 @@ use std::ops::Range;
 use plcc_abi::image::{Config, Family, Module, Profile, TimeOfDay};
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
-use plcc_literal::duration::meant_span;
+use plcc_literal::duration::{interval, meant_span};
 use plcc_literal::toml_words;
 use plcc_runtime::options::parse_duration;
 use plcc_syntax::stl::Mnemonics;
@@ -73,10 +73,13 @@ pub fn parse(file: FileId, source: &SourceFile) -> (Project, Vec<Diagnostic>) {
         Err(error) => {
             let range = error.span().unwrap_or(0..0);
             if let Some((range, wrong)) = toml_words::bare_literal(error.message(), &source.text, range.start) {
-                // A duration has no prefix here.
+                // A duration has no prefix here, and one unit.
                 let literal = &source.text[range.clone()];
-                let duration = literal.strip_prefix(['T', 't']).and_then(|rest| rest.strip_prefix('#'));
-                let help = duration.map_or(wrong.help, |duration| format!("write `\"{duration}\"`"));
+                let in_ms = || interval(literal).map(|ns| format!("{}ms", ns.div_ceil(1_000_000)));
+                let help = match meant_span(literal).or_else(in_ms) {
+                    Some(duration) => format!("write `\"{duration}\"`"),
+                    None => wrong.help,
+                };
                 context.report(range, wrong.title, &help);
                 return (Project { unread: true, ..Project::default() }, context.diagnostics);
             }

@@ -47,7 +47,13 @@ fn in_line(line: &str) -> Option<Range<usize>> {
     let rest = &line[sign + 1..];
     let length = rest.find(|letter: char| !(is_word(letter) || ".:-+".contains(letter))).unwrap_or(rest.len());
     let is_value = line[..start].trim_end().ends_with(['=', '[', ',']);
-    (start < sign && length > 0 && is_value).then_some(start..sign + 1 + length)
+    // `5#comment` and `true#comment` are values with comments.
+    let prefix = &line[start..sign];
+    let is_prefix = match prefix.starts_with(|letter: char| letter.is_ascii_digit()) {
+        true => matches!(prefix, "2" | "8" | "16"),
+        false => !matches!(prefix, "" | "true" | "false"),
+    };
+    (is_prefix && length > 0 && is_value).then_some(start..sign + 1 + length)
 }
 
 #[cfg(test)]
@@ -66,6 +72,8 @@ mod tests {
         assert_eq!(told("set = { A = 1, B = 16#FF, C = 2 }\n", 33), found("16#FF"));
         assert_eq!(told("cycle = 1 # in T#5s\nset = {\n", 26), None);
         assert_eq!(told("name = \"a#b\"\nset = {\n", 20), None);
+        assert_eq!(told("cycle = 5#comment\nset = {\n", 24), None);
+        assert_eq!(told("json = true#comment\nset = {\n", 26), None);
         let text = "set = { A = T#5s }\n";
         assert_eq!(bare_literal("unknown field `a`", text, 5), None);
     }
