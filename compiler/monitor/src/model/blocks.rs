@@ -71,11 +71,11 @@ impl Model {
 
     /// The block in which the event with the cursor was, and its network.
     pub fn event(&self) -> Option<(&Page, Option<usize>)> {
-        // `FC 2, network 2, words.stl:23`
-        let mut words = self.buffer.get(self.row(Part::Diagnostics))?.place.split(", ");
-        let id = words.next()?;
-        let page = self.pages.iter().find(|page| page.id == id && page.has_code())?;
-        Some((page, words.next().and_then(|word| word.strip_prefix("network ")?.parse().ok())))
+        let place = self.buffer.get(self.row(Part::Diagnostics))?.place.as_str();
+        let mut blocks = self.pages.iter().filter(|page| page.has_code());
+        let (page, rest) = blocks.find_map(|page| Some((page, after_block(place, &page.id)?)))?;
+        let word = rest.split(", ").next().unwrap_or_default();
+        Some((page, word.strip_prefix("network ").and_then(|number| number.parse().ok())))
     }
 
     pub(super) fn key_in_diagnostics(&mut self, key: KeyCode) {
@@ -113,4 +113,13 @@ impl Model {
         }
         true
     }
+}
+
+/// What follows the block in a place, if it is that with the `id`: `FC 2, network 2, words.stl:23`, `Fill (FC 2), network 2, words.scl:23`.
+fn after_block<'a>(place: &'a str, id: &str) -> Option<&'a str> {
+    let rest = match place.strip_prefix(id) {
+        Some(rest) => rest,
+        None => place.split_once(&format!(" ({id})"))?.1,
+    };
+    if rest.is_empty() { Some(rest) } else { rest.strip_prefix(", ") }
 }

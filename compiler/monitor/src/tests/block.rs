@@ -295,6 +295,24 @@ fn an_event_leads_to_its_network() {
 }
 
 #[test]
+fn the_place_of_an_event_names_its_block() {
+    let mut model = model("look");
+    model.take(program());
+    for (place, expected) in [
+        ("Main (OB 1), network 2, main.s7dcl:9", Some(("OB 1", Some(2)))),
+        ("Limits, upper (FC 1), main.scl:3", Some(("FC 1", None))),
+        ("FC 2, network 1, words.stl:23", Some(("FC 2", Some(1)))),
+        ("OB 1", Some(("OB 1", None))),
+        ("FC 23, words.stl:23", None),
+        ("Program_Alarm, first used in main.scl:17", None),
+    ] {
+        let event = Entry { clock: 0.0, text: "16#2522".to_string(), place: place.to_string() };
+        model.take(Incoming::News(Box::new(News { buffer: Some(vec![event]), ..News::default() })));
+        assert_eq!(model.event().map(|(page, network)| (page.id.as_str(), network)), expected, "{place}");
+    }
+}
+
+#[test]
 fn no_document_and_no_status_does_harm() {
     for html in [
         "",

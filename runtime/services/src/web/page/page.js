@@ -368,11 +368,11 @@ function record() {
 
 const diagnostics = { open() { watch(); }, names: () => [], update() {} };
 
-// A place in the source leads to its network.
+// A place in the source leads to its network: `FC 2, network 2, words.stl:23`, `Fill (FC 2), network 2, words.scl:23`.
 function place(text) {
-  const found = /^([A-Z]+ \d+), (?:network (\d+), )?/.exec(text);
+  const found = /^(?:([A-Z]+ \d+)|.*? \(([A-Z]+ \d+)\)), (?:network (\d+), )?/.exec(text);
   if (!found || !live.drawn) return text;
-  return element("a", { href: "#program", textContent: text, onclick: () => program.show((frame) => frame.go(found[1], Number(found[2] ?? 0))) });
+  return element("a", { href: "#program", textContent: text, onclick: () => program.show((frame) => frame.go(found[1] ?? found[2], Number(found[3] ?? 0))) });
 }
 
 function buffer(entries) {
