@@ -466,8 +466,12 @@ pub(crate) fn duration_of(text: &str, unit_ns: u64) -> Option<u64> {
     ns.is_multiple_of(unit_ns).then_some(ns / unit_ns)
 }
 
-/// `2026-01-31T06:00:00` for `31.01.2026 06:00` and `2026-01-31 06:00`.
+/// `2026-01-31T06:00:00` for `31.01.2026 06:00` and `2026-01-31 06:00`; nothing for `01/02/2026`, which may be of January or February, and
+/// for `6:00 PM`.
 fn meant_date(text: &str) -> Option<String> {
+    if text.contains('/') || text.contains(|c: char| c.is_alphabetic() && !matches!(c, 'T' | 't' | 'Z' | 'z')) {
+        return None;
+    }
     let numbers = text.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty());
     let numbers: Vec<u32> = numbers.map(|part| part.parse().ok()).collect::<Option<_>>()?;
     let (year, month, day, time) = match numbers.as_slice() {
