@@ -1,20 +1,21 @@
 //! Frames of blocks, their headers and declarations, which STL and SCL share.
+//!
+//! - `declarations`: sections, constants and variables.
+//! - `types`: their types; `values`: their start values.
 
+mod declarations;
+mod types;
 mod values;
 
 use std::ops::Range;
 
-use plcc_diag::Span;
 use plcc_syntax::ast::{
-    Block, BlockName, BlockPrefix, Bound, Code, CodeBlock, CodeKind, Constant, DataBlock, DataContent, Header, Retain,
-    Section, SectionKind, TypeBlock, TypeKind, TypeRef, ValueAssignment, Variable,
+    Block, BlockName, BlockPrefix, Code, CodeBlock, CodeKind, DataBlock, DataContent, Header, TypeBlock,
+    ValueAssignment, Variable,
 };
 
-use crate::scl::expression;
-use crate::sd::attributes::in_braces;
+use crate::operand;
 use crate::writer::{Notation, Writer};
-use crate::xml::cased;
-use crate::{names, operand};
 
 impl Writer<'_> {
     /// The frame of a block with code; `body` writes its statements.
@@ -189,169 +190,6 @@ impl Writer<'_> {
         self.notation == Notation::Scl
     }
 
-    /// The sections and the constants of a block in their order: in S7-SCL a constant is declared before it is a bound.
-    pub(crate) fn declarations(&mut self, block: &CodeBlock) {
-        let first = block.constants.first().map(|constant| constant.name_span.start);
-        let first = first.filter(|at| places_of_declarations(block).contains(at));
-        let is_before = |section: &&Section| first.is_none_or(|first| section.span.start < first);
-        let (before, after) = block.sections.split_at(block.sections.iter().take_while(is_before).count());
-        before.iter().for_each(|section| self.section(section));
-        self.constants(&block.constants, &places_of_declarations(block));
-        after.iter().for_each(|section| self.section(section));
-    }
-
-    pub(crate) fn section(&mut self, section: &Section) {
-        let keyword = match section.kind {
-            SectionKind::Input => "VAR_INPUT",
-            SectionKind::Output => "VAR_OUTPUT",
-            SectionKind::InOut => "VAR_IN_OUT",
-            SectionKind::Static => "VAR",
-            SectionKind::Temp => "VAR_TEMP",
-        };
-        let retain = match section.retain {
-            Retain::Unsaid => "",
-            Retain::Retain => " RETAIN",
-            Retain::NonRetain => " NON_RETAIN",
-            Retain::DbSpecific => " DB_SPECIFIC",
-        };
-        self.remarks_before(section.span.start);
-        self.out.line(format!("{keyword}{retain}"));
-        self.variables(&section.variables);
-        self.out.indent();
-        self.remarks_before(section.span.end);
-        self.out.dedent();
-        self.out.line("END_VAR");
-    }
-
-    /// `declared`: where the declarations of the block are.
-    fn constants(&mut self, constants: &[Constant], declared: &Range<u32>) {
-        let Some(first) = constants.first() else { return };
-        // Those of STL in the TIA Portal have start values; expressions are of SCL.
-        if self.notation == Notation::Stl
-            && let Some(scl) = constants.iter().find(|constant| constant.initial.is_none())
-        {
-            return self.refuse(
-                scl.name_span,
-                format!("STL of STEP 7 has no constants of a block: `{}`", scl.name),
-                "write its value where it is used, or define it in the symbol table",
-            );
-        }
-        self.out.line(if first.ty.is_some() { "VAR CONSTANT" } else { "CONST" });
-        self.out.indent();
-        for constant in constants {
-            let is_own = declared.contains(&constant.name_span.start);
-            if is_own {
-                self.remarks_before(constant.name_span.start);
-            }
-            let written = self.attributes_before(constant.name_span.start);
-            let attributes = if written.is_empty() { String::new() } else { in_braces(&written) + " " };
-            let name = attributes + &self.declared(&constant.name, constant.name_span);
-            let value = match (&constant.value, &constant.initial, &constant.ty) {
-                (Some(value), ..) => expression::text(value, self),
-                (None, Some(value), Some(ty)) => self.initial_of(value, ty),
-                (None, Some(value), None) => self.initial(value),
-                (None, None, _) => String::new(),
-            };
-            let sign = if value.is_empty() { "" } else { " := " };
-            let ty = constant.ty.as_ref().map_or(String::new(), |ty| format!(" : {}", self.type_text(ty)));
-            match constant.ty.as_ref().and_then(structure) {
-                None => self.out.line(format!("{name}{ty}{sign}{value};")),
-                Some(members) => {
-                    self.out.line(format!("{name}{ty}"));
-                    self.variables(members);
-                    self.out.line(format!("END_STRUCT{sign}{value};"));
-                }
-            }
-            let end = constant.value.as_ref().map_or(constant.name_span.end, |value| value.span.end);
-            if is_own {
-                self.remarks_on_line(end);
-            }
-        }
-        self.out.dedent();
-        self.out.line(if first.ty.is_some() { "END_VAR" } else { "END_CONST" });
-    }
-
-    pub(crate) fn variables(&mut self, variables: &[Variable]) {
-        self.out.indent();
-        let source = self.source.filter(|_| matches!(self.notation, Notation::Stl | Notation::Scl | Notation::Sd));
-        for list in variables.chunk_by(|one, next| source.is_some_and(|source| is_list(source, one, next))) {
-            self.variable(list);
-        }
-        self.out.dedent();
-    }
-
-    /// A variable, or several with one type: `a, b : INT;`.
-    fn variable(&mut self, list: &[Variable]) {
-        let [variable, others @ ..] = list else { return };
-        self.remarks_before(variable.name_span.start);
-        let written = self.attributes_before(variable.name_span.start);
-        let own = variable.comment.as_ref().filter(|_| !written.iter().any(|attribute| attribute.is("S7_MLC")));
-        // After the declaration there is room for one line.
-        let is_long = self.notation != Notation::Gr7 && own.is_some_and(|comment| comment.contains('\n'));
-        if let Some(comment) = own.filter(|_| is_long) {
-            comment.lines().for_each(|line| self.out.line(format!("// {}", line.trim()).trim_end()));
-        }
-        let mut head = self.declared(&variable.name, variable.name_span);
-        if !written.is_empty() {
-            head = format!("{} {head}", in_braces(&written));
-        } else if !variable.attributes.is_empty() && self.notation == Notation::Sd {
-            let list = variable.attributes.iter().map(|(key, value)| format!("{key} := \"{value}\""));
-            head = format!("{{ {} }} {head}", list.collect::<Vec<_>>().join("; "));
-        } else if !variable.attributes.is_empty() {
-            let list: Vec<String> = variable.attributes.iter().map(|(key, value)| attribute(key, value)).collect();
-            head.push_str(&format!(" {{ {} }}", list.join("; ")));
-        }
-        for other in others {
-            head.push_str(&format!(", {}", self.declared(&other.name, other.name_span)));
-        }
-        if let Some((at, _)) = &variable.at {
-            head.push_str(&format!(" AT {}", names::declared(at)));
-        }
-        let initial = variable.initial.as_ref();
-        let initial = initial.map_or(String::new(), |value| format!(" := {}", self.initial_of(value, &variable.ty)));
-        match structure(&variable.ty) {
-            None => {
-                let ty = self.type_text(&variable.ty);
-                self.out.line(format!("{head} : {ty}{initial};"));
-            }
-            Some(members) => {
-                let ty = self.type_text(&variable.ty);
-                self.out.line(format!("{head} : {ty}"));
-                self.variables(members);
-                self.out.indent();
-                self.remarks_before(variable.ty.span.end);
-                self.out.dedent();
-                self.out.line(format!("END_STRUCT{initial};"));
-            }
-        }
-        let end = variable.initial.as_ref().map_or(variable.ty.span.end, |value| value.span.end);
-        if let Some(comment) = own.filter(|_| !is_long) {
-            self.out.trail(&match self.notation {
-                Notation::Gr7 => format!("(* {} *)", comment.replace("*)", "* )")),
-                Notation::Stl | Notation::Scl | Notation::Sd | Notation::St => format!("// {comment}"),
-            });
-        }
-        let mut remarks = self.trivia.on_line(end.max(variable.name_span.end));
-        remarks.retain(|remark| own.is_none_or(|own| bare(&remark.text) != *own && !has_lines(&remark.text, own)));
-        self.out.remarks(&remarks);
-    }
-
-    /// A name that is declared, in quotes if it must have them; a word of the language, one with letters of other languages, and any name
-    /// of a document, if it has them in the source: `"IF"`.
-    pub(crate) fn declared(&self, name: &str, span: Span) -> String {
-        let is_word = names::is_word(name);
-        let may_have = is_word || !name.is_ascii() || self.braces.is_some();
-        let has_quotes = is_word && self.quotes_words || may_have && self.is_quoted(name, span);
-        if has_quotes { names::symbol(name) } else { names::declared(name) }
-    }
-
-    /// Whether a name is in quotes in the source, also after `#`.
-    pub(crate) fn is_quoted(&self, name: &str, span: Span) -> bool {
-        let text = self.source.and_then(|source| source.get(span.range()));
-        let text = text.map(|text| text.strip_prefix('#').unwrap_or(text));
-        text.and_then(|text| text.strip_prefix('"')?.strip_suffix('"')) == Some(name)
-    }
-
     pub(crate) fn value(&mut self, value: &ValueAssignment) {
         self.remarks_before(value.span.start);
         let target = operand::value_path(&value.target, self);
@@ -363,8 +201,6 @@ impl Writer<'_> {
         self.remarks_on_line(value.span.end);
     }
 
-    // Types and values.
-
     /// `FC 7`, `"Tank"`.
     pub(crate) fn block_name(&self, name: &BlockName) -> String {
         match name {
@@ -373,121 +209,6 @@ impl Writer<'_> {
                 format!("{}{blank}{number}", prefix.letters())
             }
             BlockName::Symbol { name, .. } => format!("\"{name}\""),
-        }
-    }
-
-    /// A type; of a structure only `STRUCT`, with the dimensions of an array of structures.
-    pub(crate) fn type_text(&mut self, ty: &TypeRef) -> String {
-        match &ty.kind {
-            TypeKind::Named(name) => self.named_type(ty, name),
-            TypeKind::String(None) => self.type_word(ty, "String"),
-            TypeKind::String(Some(length)) => format!("{}[{}]", self.type_word(ty, "String"), self.bound(length)),
-            TypeKind::WideString(None) => self.type_word(ty, "WString"),
-            TypeKind::WideString(Some(length)) => format!("{}[{}]", self.type_word(ty, "WString"), self.bound(length)),
-            TypeKind::Array { bounds, element } => {
-                let list: Vec<String> =
-                    bounds.iter().map(|(low, high)| format!("{}..{}", self.bound(low), self.bound(high))).collect();
-                self.array_text(ty, &list.join(", "), element)
-            }
-            TypeKind::OpenArray { dimensions, element } => {
-                self.needs_scl(ty.span, "an array without bounds");
-                let stars = vec!["*"; usize::from(*dimensions)].join(", ");
-                self.array_text(ty, &stars, element)
-            }
-            TypeKind::Reference(target) => {
-                self.needs_scl(ty.span, "a reference");
-                format!("REF_TO {}", self.type_text(target))
-            }
-            TypeKind::Struct(_) => match self.written_word(ty, "STRUCT") {
-                Some(own) => own.to_string(),
-                None => "STRUCT".to_string(),
-            },
-            TypeKind::Block(name) => {
-                let text = self.source.and_then(|source| source.get(ty.span.range())).map(str::trim);
-                let own = text.filter(|text| match (text.strip_prefix("_."), name) {
-                    // `_.Valve`
-                    (Some(own), BlockName::Symbol { name, .. }) => own.trim_matches('"') == name,
-                    // `Unit.Namespace.Valve`
-                    (None, BlockName::Symbol { name, .. }) => self.braces.is_some() && *text == name,
-                    (_, BlockName::Numbered { .. }) => false,
-                });
-                let own = own.filter(|_| self.notation == Notation::Sd);
-                own.map_or_else(|| self.block_name(name), str::to_string)
-            }
-            TypeKind::Error => {
-                self.refuse(ty.span, "a type that was not understood", "repair the source first");
-                String::new()
-            }
-        }
-    }
-
-    fn array_text(&mut self, ty: &TypeRef, bounds: &str, element: &TypeRef) -> String {
-        let array = self.type_word(ty, "Array");
-        let of = if array.starts_with("AR") { "OF" } else { "of" };
-        format!("{array}[{bounds}] {of} {}", self.type_text(element))
-    }
-
-    /// The name of a type: as the author wrote it, otherwise in the letters of the TIA Portal where it is for that.
-    fn named_type(&self, ty: &TypeRef, name: &str) -> String {
-        let keeps = matches!(self.notation, Notation::Sd | Notation::Scl);
-        let text = self.source.filter(|_| keeps).and_then(|source| source.get(ty.span.range())).map(str::trim);
-        let own = text.filter(|text| text.eq_ignore_ascii_case(name)).map(str::to_string);
-        own.unwrap_or_else(|| if self.is_of_portal() { cased(name) } else { name.to_string() })
-    }
-
-    /// A word with which a type begins, likewise.
-    fn type_word(&self, ty: &TypeRef, word: &str) -> String {
-        match self.written_word(ty, word) {
-            Some(own) => own.to_string(),
-            None if self.is_of_portal() => word.to_string(),
-            None => word.to_ascii_uppercase(),
-        }
-    }
-
-    /// The word with which a type begins in a source in SCL.
-    fn written_word(&self, ty: &TypeRef, word: &str) -> Option<&str> {
-        let own = self.scl_from(ty.span.start)?.get(..word.len())?;
-        own.eq_ignore_ascii_case(word).then_some(own)
-    }
-
-    /// The source from a byte on, if it is a text in SCL.
-    fn scl_from(&self, at: u32) -> Option<&str> {
-        let source = self.source.filter(|_| self.notation == Notation::Scl && !self.quotes_words)?;
-        source.get(at as usize..)
-    }
-
-    /// The type of a function without a value, whose name ends at a byte.
-    fn void(&self, at: u32) -> &str {
-        let rest = self.scl_from(at).and_then(|rest| rest.trim_start().strip_prefix(':')).map(str::trim_start);
-        let own = rest.and_then(|rest| rest.get(..4)).filter(|own| own.eq_ignore_ascii_case("VOID"));
-        own.unwrap_or("VOID")
-    }
-
-    /// Whether types have the letters of the TIA Portal.
-    fn is_of_portal(&self) -> bool {
-        self.notation == Notation::Sd || self.notation == Notation::Scl && self.quotes_words
-    }
-
-    pub(crate) fn bound(&mut self, bound: &Bound) -> String {
-        match bound {
-            Bound::Number(number, _) => number.to_string(),
-            Bound::Name(name, _) if self.notation == Notation::Stl => names::declared(name),
-            Bound::Name(name, _) => names::bare(name),
-            Bound::Expr(value) => {
-                self.needs_scl(value.span, "an expression as a bound");
-                expression::text(value, self)
-            }
-            Bound::Path(path) => operand::path_text(path, self),
-        }
-    }
-
-    fn needs_scl(&mut self, span: Span, what: &str) {
-        if self.notation == Notation::Stl {
-            self.refuse(
-                span,
-                format!("STL has no word for {what}"),
-                "declare it in another way, or leave the block in its language",
-            );
         }
     }
 
@@ -533,31 +254,6 @@ fn code_start(block: &CodeBlock) -> u32 {
     first.unwrap_or(block.span.end)
 }
 
-/// Whether two variables are `a, b` of one declaration `a, b : INT` in a source.
-fn is_list(source: &str, one: &Variable, next: &Variable) -> bool {
-    let gap = source.get(one.name_span.end as usize..next.name_span.start as usize);
-    let is_plain = |variable: &Variable| variable.attributes.is_empty() && variable.at.is_none();
-    one.ty.span == next.ty.span
-        && gap.is_some_and(|gap| gap.trim() == ",")
-        && is_plain(one)
-        && is_plain(next)
-        && one.comment == next.comment
-}
-
-/// Members of a structure, also of an array of structures.
-fn structure(ty: &TypeRef) -> Option<&[Variable]> {
-    match &ty.kind {
-        TypeKind::Struct(members) => Some(members),
-        TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => structure(element),
-        TypeKind::Named(_)
-        | TypeKind::String(_)
-        | TypeKind::WideString(_)
-        | TypeKind::Reference(_)
-        | TypeKind::Block(_)
-        | TypeKind::Error => None,
-    }
-}
-
 /// The header of a data block with standard access, which says in another notation whether its data are retentive: sources say it if they
 /// are not, SIMATIC SD if they are.
 pub(crate) fn with_retention(header: &Header, notation: Notation) -> Header {
@@ -597,11 +293,6 @@ pub(crate) fn is_standard(header: &Header) -> bool {
 
 fn attribute(key: &str, value: &str) -> String {
     format!("{key} := '{value}'")
-}
-
-/// Whether the lines with `//` are those of a comment.
-fn has_lines(text: &str, comment: &str) -> bool {
-    text.lines().map(bare).eq(comment.lines().map(|line| line.trim().to_string()))
 }
 
 /// A comment without `//` or its brackets.
