@@ -1,0 +1,213 @@
+//! What the server knows of names in SCL, in charts, in networks, and in programs of an S7-200.
+
+use serde_json::{Value, json};
+
+use super::{Editor, labels};
+
+#[test]
+fn constants_and_labels_of_scl_are_names() {
+    let mut editor = Editor::new("press");
+    editor.open("press.scl");
+    assert_eq!(editor.messages("press.scl"), Vec::<String>::new());
+    for (piece, texts) in [
+        ("#n < #LI|MIT", &["LIMIT : Int := 10", "constant of FUNCTION Count"][..]),
+        ("> \"STRO|KES\"", &["STROKES : Int := 12", "constant of the tag tables"]),
+        ("GOTO ag|ain", &["again", "jump label"]),
+    ] {
+        let found = editor.at("textDocument/hover", "press.scl", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
+        for text in texts {
+            assert!(found.contains(text), "{piece}: {text} is not in {found}");
+        }
+    }
+    for (piece, place) in [
+        ("#forces[#LA|ST]", "press.scl:7 LAST"),
+        ("> STRO|KES;", "tags.xml:4 STROKES"),
+        ("GOTO ov|er", "press.scl:25 over"),
+    ] {
+        let found = editor.at("textDocument/definition", "press.scl", piece);
+        assert_eq!(editor.covered(&json!([found])), [place]);
+    }
+    for (piece, places) in [
+        (
+            "  LI|MIT : Int",
+            &["press.scl:6 LIMIT", "press.scl:7 LIMIT", "press.scl:10 LIMIT", "press.scl:18 #LIMIT"][..],
+        ),
+        ("> STRO|KES;", &["press.scl:21 \"STROKES\"", "press.scl:24 STROKES", "tags.xml:4 STROKES"]),
+        ("  ag|ain:", &["press.scl:15 again", "press.scl:19 again"]),
+    ] {
+        let found = editor.at("textDocument/references", "press.scl", piece);
+        assert_eq!(editor.covered(&found), places);
+    }
+    let mut rename = |piece: &str, to: &str| {
+        let mut params = editor.position("press.scl", piece);
+        params["newName"] = json!(to);
+        let edits = editor.ask_or("textDocument/rename", params)?;
+        let files = edits["changes"].as_object().expect("changes");
+        Ok::<_, String>(files.values().map(|edits| edits.as_array().expect("a list").len()).sum::<usize>())
+    };
+    assert_eq!(rename("  LI|MIT : Int", "BOUND"), Ok(4));
+    assert_eq!(rename("> STRO|KES;", "HITS"), Ok(3));
+    assert_eq!(rename("  ag|ain:", "back"), Ok(2));
+    // The function in XML writes the tag, and has an input of its own with the name of the other one.
+    assert!(rename("  \"Ho|rn\" :=", "Siren").expect_err("XML has it").contains("Guard.xml"));
+    assert_eq!(rename("  fo|rce : Int", "power"), Ok(4));
+    for (piece, to) in
+        [("  LI|MIT : Int", "force"), ("  LI|MIT : Int", "Last"), ("  fo|rce : Int", "limit"), ("  ag|ain:", "OVER")]
+    {
+        assert!(rename(piece, to).expect_err("it is taken").contains("already"), "{piece} {to}");
+    }
+    let found = editor.at("textDocument/completion", "press.scl", "  |#n := 0;");
+    for word in ["IF", "THEN", "END_REPEAT", "GOTO", "DIV", "TRUE", "END_REGION"] {
+        assert!(labels(&found).contains(&word), "{word} is not in {found}");
+    }
+    assert!(!labels(&found).contains(&"ELSEIF") && !labels(&found).contains(&"VAR_INPUT"));
+    let found = editor.at("textDocument/completion", "press.scl", "GOTO |again");
+    assert_eq!(labels(&found), ["again", "over"]);
+    let found = editor.at("textDocument/completion", "press.scl", "IF #n < #|LIMIT");
+    assert_eq!(labels(&found), ["force", "forces", "n", "LIMIT", "LAST"]);
+}
+
+#[test]
+fn steps_and_blocks_of_the_library_are_known() {
+    let mut editor = Editor::new("door");
+    editor.open("door.gr7");
+    editor.open("main.stl");
+    assert_eq!(editor.messages("main.stl"), Vec::<String>::new());
+    let found = editor.at("textDocument/hover", "door.gr7", "FROM Open|ing");
+    let found = found["contents"]["value"].as_str().unwrap_or_default();
+    assert!(found.contains("step S2 Opening") && found.contains("The motor runs"), "{found}");
+    for (piece, wanted) in [("AND Opening.|T >", "Opening.T : TIME"), ("NOT Ask.|TT", "Ask.TT : BOOL")] {
+        let found = editor.at("textDocument/hover", "door.gr7", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default();
+        assert!(found.contains(wanted), "{found}");
+    }
+    let found = editor.at("textDocument/completion", "door.gr7", "AND Opening.|T >");
+    assert_eq!(labels(&found)[..4], ["X", "T", "U", "S1"]);
+    let found = editor.at("textDocument/completion", "door.gr7", "NOT Ask.|TT");
+    assert_eq!(labels(&found), ["TV", "TT", "TS", "TNO"]);
+    let found = editor.at("textDocument/definition", "door.gr7", "TO Open|ing");
+    assert_eq!(editor.covered(&json!([found])), ["door.gr7:10 Opening"]);
+    let found = editor.at("textDocument/references", "door.gr7", "STEP Open|ing");
+    let own =
+        ["10 Opening", "17 Opening", "22 Opening", "24 Opening", "24 S002"].map(|place| format!("door.gr7:{place}"));
+    let others = [23, 25].map(|line| format!("main.stl:{line} Opening"));
+    assert_eq!(editor.covered(&found), [&others[..], &own[..]].concat());
+    let file = json!({ "textDocument": { "uri": editor.uri("door.gr7") } });
+    let symbols = editor.ask("textDocument/documentSymbol", file);
+    let parts = symbols[0]["children"].as_array().expect("a list");
+    let names: Vec<&str> = parts.iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(names, ["Request", "Closed", "Opening", "Ask", "Opened"]);
+    let mut rename = |file: &str, piece: &str| {
+        let mut params = editor.position(file, piece);
+        params["newName"] = json!("Other");
+        editor.ask_or("textDocument/rename", params)
+    };
+    assert!(rename("main.stl", "CALL  \"SC|ALE\"").expect_err("it is not ours").contains("library"));
+}
+
+#[test]
+fn names_of_an_s7_200_are_known() {
+    let mut editor = Editor::new("wash");
+    editor.open("main.awl");
+    assert_eq!(editor.messages("main.awl"), Vec::<String>::new());
+    for (piece, texts) in [
+        ("LD     Wa|ter", &["\"Water\"", "I0.3", "water is there"][..]),
+        ("LDW<   #n|ow", &["now : INT", "IN of SUBROUTINE_BLOCK Fill SBR0", "measured"]),
+        ("CALL   Fi|ll", &["SUBROUTINE_BLOCK Fill SBR0", "Opens the valve", "`now` IN INT", "`open` OUT BOOL"]),
+        ("JMP    |3", &["LBL 3", "jump label of ORGANIZATION_BLOCK MAIN OB1"]),
+        ("A      V10|1.2", &["one bit of V", "\"Level\"` VW100"]),
+        ("MO|VW   #now", &["MOVW"]),
+        ("L|DW<   #now", &["LDW<"]),
+        ("LDW|<   #now", &["LDW<"]),
+        ("|=      #open", &["Writes S0 to the bit"]),
+    ] {
+        let found = editor.at("textDocument/hover", "main.awl", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
+        for text in texts {
+            assert!(found.contains(text), "{piece}: {text} is not in {found}");
+        }
+    }
+    for (piece, place) in [
+        ("CALL   Fi|ll", "main.awl:14 Fill"),
+        ("CALL   Fill, Le|vel", "symbols.txt:2 Level"),
+        ("MOVW   #no|w", "main.awl:17 now"),
+        ("JMP    |3", "main.awl:10 3"),
+        ("ATCH   St|opped", "main.awl:28 Stopped"),
+    ] {
+        let found = editor.at("textDocument/definition", "main.awl", piece);
+        assert_eq!(editor.covered(&json!([found])), [place]);
+    }
+    let mut uses = |piece: &str| {
+        let found = editor.at("textDocument/references", "main.awl", piece);
+        editor.covered(&found)
+    };
+    assert_eq!(uses("LDW<   #n|ow"), ["main.awl:17 now", "main.awl:24 #now", "main.awl:26 #now"]);
+    // A bit of the word that a symbol names.
+    assert_eq!(uses("A      V10|1.2"), ["main.awl:7 V101.2", "main.awl:8 Level", "symbols.txt:2 Level"]);
+    assert_eq!(uses("R      Pu|mp"), ["main.awl:8 Pump", "main.awl:32 Pump", "symbols.txt:3 Pump"]);
+    assert_eq!(uses("LBL    |3"), ["main.awl:6 3", "main.awl:10 3"]);
+    let mut rename = |piece: &str, to: &str| {
+        let mut params = editor.position("main.awl", piece);
+        params["newName"] = json!(to);
+        let edits = editor.ask_or("textDocument/rename", params)?;
+        let mut texts = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            let range = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+            texts.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", range(edit))));
+        }
+        texts.sort();
+        Ok::<_, String>(texts)
+    };
+    let lines = |names: &[&str]| Ok(names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+    assert_eq!(rename("LDW<   #n|ow", "level"), lines(&["main.awl:17", "main.awl:24", "main.awl:26"]));
+    assert_eq!(
+        rename("R      Pu|mp", "Valve"),
+        lines(&["main.awl:32", "main.awl:8", "main.scenario.toml:3", "symbols.txt:3"])
+    );
+    assert_eq!(rename("CALL   Fi|ll", "Top_up"), lines(&["main.awl:14", "main.awl:8"]));
+    assert!(rename("R      Pu|mp", "Level").expect_err("it is taken").contains("already"));
+    assert!(rename("R      Pu|mp", "VW8").expect_err("it is an address").contains("address"));
+    assert!(rename("LBL    |3", "x").is_err());
+    let found = editor.at("textDocument/completion", "main.awl", "MOVW   #|now");
+    assert_eq!(labels(&found), ["now", "open", "Water", "Level", "Pump", "MAIN", "Fill", "Stopped"]);
+    let found = editor.at("textDocument/completion", "main.awl", "JMP    |3");
+    assert_eq!(labels(&found), ["3"]);
+    let found = editor.at("textDocument/completion", "main.awl", "|MOVW   #now");
+    assert!(labels(&found).contains(&"MOVW"));
+}
+
+#[test]
+fn elements_pins_and_wires_of_networks_are_explained() {
+    let mut editor = Editor::new("alike");
+    editor.open("lamp.s7dcl");
+    editor.messages("lamp.s7dcl");
+    for (piece, texts) in [
+        ("Con|tact( #on )", &["Bit logic: Contact", "- `operand` input"][..]),
+        ("#T1.TO|N( pt", &["TON", "- `pt` input", "- `et` output"]),
+        ("TON( p|t :=", &["TON.pt", "input of TON"]),
+        ("RUNG #on  |A( in2", &["Bit logic: A", "- `in1` … input"]),
+        ("A( in|2 :=", &["A.in2", "input of A"]),
+        ("wi|re#powerrail", &["wire#powerrail", "TRUE"]),
+        ("wire#power|rail", &["wire#powerrail", "TRUE"]),
+        // The parameter of a block.
+        ("#one( o|n :=", &["on : Bool", "IN of FUNCTION_BLOCK Lamp"][..]),
+    ] {
+        let found = editor.at("textDocument/hover", "lamp.s7dcl", piece);
+        let found = found["contents"]["value"].as_str().unwrap_or_default().to_owned();
+        for text in texts {
+            assert!(found.contains(text), "{piece}: {text} is not in {found}");
+        }
+    }
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "RUNG #on  |A( in2");
+    for name in ["Contact", "Coil", "A", "TON"] {
+        assert!(labels(&found).contains(&name), "{name} is not in {found}");
+    }
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "RUNG #on  A( |in2");
+    assert_eq!(labels(&found), ["in1"]);
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "TON( pt := #time, |et");
+    assert_eq!(labels(&found), ["en", "et", "eno"]);
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "#one( |on :=");
+    assert_eq!(labels(&found), ["on", "time", "lit"]);
+}

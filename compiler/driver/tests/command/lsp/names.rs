@@ -1,0 +1,182 @@
+//! Where names are declared and used, and what changes with them.
+
+use serde_json::{Value, json};
+
+use super::{Editor, labels};
+
+#[test]
+fn declarations_and_uses_are_found() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.open("motor.scl");
+    editor.messages("motor.scl");
+    let found = editor.at("textDocument/definition", "main.stl", "CALL  \"Mo|tor\"");
+    assert_eq!(editor.covered(&json!([found])), ["motor.scl:1 \"Motor\""]);
+    let found = editor.at("textDocument/references", "main.stl", "L     #le|vel");
+    assert_eq!(editor.covered(&found), ["main.stl:10 level", "main.stl:19 level", "main.stl:31 level"]);
+    // A bit of a word: the word is one of its uses.
+    let found = editor.at("textDocument/references", "main.stl", "stop  := M |11.3");
+    assert_eq!(editor.covered(&found), ["main.stl:31 MW 10", "main.stl:35 M 11.3"]);
+    let found = editor.at("textDocument/references", "motor.scl", "  st|art : BOOL");
+    assert_eq!(editor.covered(&found), ["main.stl:34 start", "motor.scl:3 start", "motor.scl:16 start"]);
+    let found = editor.at("textDocument/references", "main.stl", "JC    fu|ll");
+    assert_eq!(editor.covered(&found), ["main.stl:22 full", "main.stl:24 full"]);
+}
+
+#[test]
+fn names_change_everywhere() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.open("motor.scl");
+    editor.messages("motor.scl");
+    let mut rename = |piece: &str, to: &str| {
+        let mut params = editor.position("main.stl", piece);
+        params["newName"] = json!(to);
+        let edits = editor.ask_or("textDocument/rename", params)?;
+        let mut texts = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            texts.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name} {}", edit["newText"])));
+        }
+        texts.sort();
+        Ok::<_, String>(texts)
+    };
+    assert_eq!(rename("JC    fu|ll", "over"), Ok(vec!["main.stl \"over\"".to_owned(); 2]));
+    assert_eq!(rename("L     #le|vel", "height").map(|edits| edits.len()), Ok(3));
+    let motor = rename("CALL  \"Mo|tor\"", "Pump").expect("it can change");
+    assert!(motor.contains(&"motor.scl \"\\\"Pump\\\"\"".to_owned()), "{motor:?}");
+    assert!(motor.iter().any(|edit| edit.starts_with("symbols.sdf \"Pump  ")), "{motor:?}");
+    assert!(rename("L     #le|vel", "limit").expect_err("it is taken").contains("already"));
+    assert!(rename("level := M|W 10", "x").is_err());
+}
+
+/// Names that are also mnemonics, elements, pins, types, functions, parameters of the library, words of a header, addresses, or the
+/// names of other blocks.
+#[test]
+fn a_name_is_changed_only_where_it_is_meant() {
+    let mut editor = Editor::new("alike");
+    for file in ["line.scl", "lamp.s7dcl", "list.stl"] {
+        editor.open(file);
+    }
+    assert_eq!(editor.messages("list.stl"), Vec::<String>::new());
+    let mut lines = |file: &str, piece: &str| {
+        let mut params = editor.position(file, piece);
+        params["newName"] = json!("Other");
+        let edits = editor.ask("textDocument/rename", params);
+        let mut found = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+            found.extend(edits.as_array().expect("a list").iter().map(|edit| (name.to_owned(), line(edit))));
+        }
+        found.sort();
+        let words: Vec<String> = found.into_iter().map(|(name, line)| format!("{name}:{line}")).collect();
+        words.join(" ")
+    };
+    for (file, piece, wanted) in [
+        ("line.scl", "TYPE \"Pa|ir\"", "line.scl:2 line.scl:10 line.scl:15 line.scl:35 line.scl:36"),
+        ("line.scl", "DATA_BLOCK \"Pa|ir\"", "line.scl:9 line.scl:57"),
+        (
+            "line.scl",
+            "|x : Int;\n  y",
+            "line.scl:4 line.scl:12 line.scl:20 line.scl:35 line.scl:42 line.scl:50 line.scl:57",
+        ),
+        ("line.scl", "|y : Int;", "line.scl:5 line.scl:21 line.scl:35 line.scl:50"),
+        ("line.scl", "|x : Int;\nEND_VAR", "line.scl:17 line.scl:20 line.scl:21 line.scl:43"),
+        ("line.scl", "aut|hor : Int", "line.scl:27 line.scl:41 line.scl:49 line.scl:55"),
+        ("line.scl", "T|1 : TON", "line.scl:30 line.scl:39 line.scl:40 line.scl:56"),
+        ("line.scl", "t|on : TON", "line.scl:31 line.scl:40"),
+        ("line.scl", "i|n : Int", "line.scl:32 line.scl:39 line.scl:41"),
+        ("line.scl", "lim|it : Int", "line.scl:33 line.scl:41 line.scl:42 line.scl:43"),
+        ("line.scl", "li|st : Array", "line.scl:34 line.scl:42 line.scl:57"),
+        ("line.scl", "pa|ir : ", "line.scl:35 line.scl:43 line.scl:50"),
+        ("line.scl", "DATA_BLOCK \"T|1\"", "line.scl:46 line.scl:55 line.scl:56 line.scl:57"),
+        ("lamp.s7dcl", "o|n : Bool;\n        time", "lamp.s7dcl:3 lamp.s7dcl:14 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "ti|me : Time", "lamp.s7dcl:4 lamp.s7dcl:14 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "li|t : Bool", "lamp.s7dcl:7 lamp.s7dcl:14 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "T|1 : TON_TIME", "lamp.s7dcl:10 lamp.s7dcl:14"),
+        (
+            "lamp.s7dcl",
+            "o|n : Bool;\n    END_VAR",
+            "lamp.s7dcl:20 lamp.s7dcl:31 lamp.s7dcl:32 lamp.s7dcl:32 line.scl:56",
+        ),
+        ("lamp.s7dcl", "|a, coil", "lamp.s7dcl:27 lamp.s7dcl:31 lamp.s7dcl:32"),
+        ("lamp.s7dcl", "a, co|il", "lamp.s7dcl:27 lamp.s7dcl:32"),
+        ("list.stl", "|t : INT", "line.scl:57 list.stl:3 list.stl:11"),
+        ("list.stl", "|p : ANY", "line.scl:57 list.stl:4 list.stl:15"),
+        ("list.stl", "|d : INT", "line.scl:57 list.stl:5 list.stl:12"),
+    ] {
+        assert_eq!(lines(file, piece), wanted, "{piece}");
+    }
+    // A word that is not a name of the block tells what it is.
+    let hover = editor.at("textDocument/hover", "list.stl", "|T     #result");
+    let text = hover["contents"]["value"].as_str().unwrap_or_default();
+    assert!(text.contains("Operand"), "{text}");
+    let found = editor.at("textDocument/completion", "line.scl", "#Twice.|x");
+    assert_eq!(labels(&found), ["x", "y"]);
+    let found = editor.at("textDocument/completion", "line.scl", "#pairs[#list[1]].|x");
+    assert_eq!(labels(&found), ["x", "y"]);
+}
+
+#[test]
+fn a_table_in_an_editor_is_part_of_the_program() {
+    let lines = |editor: &mut Editor, file: &str, piece: &str| {
+        let mut params = editor.position(file, piece);
+        params["newName"] = json!("Other");
+        let edits = editor.ask("textDocument/rename", params);
+        let mut found = Vec::new();
+        for (uri, edits) in edits["changes"].as_object().expect("changes") {
+            let name = uri.rsplit('/').next().unwrap_or_default();
+            let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+            found.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", line(edit))));
+        }
+        found.sort();
+        found
+    };
+    // The name has the same places wherever the cursor is, and an open table is not reported as a source.
+    let mut editor = Editor::new("wash");
+    editor.open("main.awl");
+    editor.messages("main.awl");
+    let places = ["main.awl:32", "main.awl:8", "main.scenario.toml:3", "symbols.txt:3"];
+    editor.open("symbols.txt");
+    assert_eq!(editor.messages("symbols.txt"), Vec::<String>::new());
+    assert_eq!(lines(&mut editor, "symbols.txt", "Pu|mp"), places);
+    // Also in settings that were just opened, or changed.
+    editor.open("main.scenario.toml");
+    assert_eq!(lines(&mut editor, "main.awl", "R      Pu|mp"), places);
+    editor.edit("main.scenario.toml", "[", "\n[");
+    let places = ["main.awl:32", "main.awl:8", "main.scenario.toml:4", "symbols.txt:3"];
+    assert_eq!(lines(&mut editor, "main.awl", "R      Pu|mp"), places);
+    let mut editor = Editor::new("plant");
+    editor.open("symbols.sdf");
+    assert_eq!(
+        lines(&mut editor, "symbols.sdf", "Mo|tor"),
+        ["main.stl:3", "main.stl:33", "motor.scl:1", "symbols.sdf:3"]
+    );
+    assert_eq!(lines(&mut editor, "symbols.sdf", "La|mp"), ["main.stl:37", "symbols.sdf:2"]);
+    let found = editor.at("textDocument/references", "symbols.sdf", "La|mp");
+    assert_eq!(editor.covered(&found), ["main.stl:37 \"Lamp\"", "symbols.sdf:2 Lamp"]);
+    let found = editor.at("textDocument/hover", "symbols.sdf", "La|mp");
+    assert!(found["contents"]["value"].as_str().is_some_and(|text| text.contains("`Q 4.0`")), "{found}");
+    let found = editor.at("textDocument/definition", "symbols.sdf", "Mo|tor");
+    assert_eq!(editor.covered(&json!([found])), ["motor.scl:1 \"Motor\""]);
+    let mut editor = Editor::new("press");
+    editor.open("tags.xml");
+    assert_eq!(editor.messages("tags.xml"), Vec::<String>::new());
+    assert_eq!(lines(&mut editor, "tags.xml", "STRO|KES"), ["press.scl:21", "press.scl:24", "tags.xml:4"]);
+}
+
+/// Also right after the file was opened, when the others are not read yet.
+#[test]
+fn a_name_is_changed_everywhere_from_the_first_moment_on() {
+    for method in ["rename", "references"] {
+        let mut editor = Editor::new("plant");
+        editor.open("motor.scl");
+        let mut params = editor.position("motor.scl", "  st|art : BOOL");
+        params["newName"] = json!("launch");
+        let found = editor.ask(&format!("textDocument/{method}"), params).to_string();
+        for file in ["motor.scl", "main.stl"] {
+            assert!(found.contains(file), "{method}: {file} in {found}");
+        }
+    }
+}
