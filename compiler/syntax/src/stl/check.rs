@@ -331,13 +331,14 @@ fn loadable(value: &Literal) -> bool {
     }
 }
 
-/// A constant of the right kind that is too large for the instruction.
+/// A constant of the right kind that is outside the range of the instruction.
 fn constant_range(insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> Option<Diagnostic> {
     let OperandKind::Literal(Literal::Int(number)) = operand.kind else { return None };
     let class = insn.operand();
+    let size = if number < 0 { "small" } else { "large" };
     let range = |code, label: &str, help: String| {
         Some(
-            Diagnostic::new(code, operand.span, format!("`{shown}` is too large for `{written}`"))
+            Diagnostic::new(code, operand.span, format!("`{shown}` is too {size} for `{written}`"))
                 .label(label)
                 .help(help),
         )
