@@ -10,13 +10,16 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
     match (insn.operand(), &operand.kind) {
         (OperandClass::Byte, kind) if matches!(insn, StlInsn::Increment | StlInsn::Decrement) => {
             let step = if insn == StlInsn::Increment { "1" } else { "-1" };
-            let change = match width(kind)? {
-                Width::Byte => format!("{written} 1"),
-                Width::Word => format!("+ {step}"),
-                Width::Dword => format!("+ L#{step}"),
-                Width::Bit | Width::Lword => return None,
+            let change = match kind {
+                OperandKind::Path(_) => format!("`+ {step}` (of a DINT `+ L#{step}`)"),
+                kind => match width(kind)? {
+                    Width::Byte => format!("`{written} 1`"),
+                    Width::Word => format!("`+ {step}`"),
+                    Width::Dword => format!("`+ L#{step}`"),
+                    Width::Bit | Width::Lword => return None,
+                },
             };
-            Some(format!("it changes ACCU1: write `{load} {shown}`, `{change}` and `{transfer} {shown}`"))
+            Some(format!("it changes ACCU1: write `{load} {shown}`, {change} and `{transfer} {shown}`"))
         }
         (
             OperandClass::LoadSource | OperandClass::TransferTarget,
@@ -70,11 +73,10 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
     }
 }
 
-/// The width of an address, also of a name, which is most likely a word.
+/// The width of an address.
 fn width(kind: &OperandKind) -> Option<Width> {
     match kind {
         OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. } => Some(*width),
-        OperandKind::Path(_) => Some(Width::Word),
         _ => None,
     }
 }
