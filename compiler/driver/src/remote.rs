@@ -183,7 +183,8 @@ impl Reader {
         let substitute = self.word(&keys.away, ["keep", "substitute"]);
         if keys.data.is_empty() {
             let own = name.get_ref();
-            let is_plain = own.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-".contains(&byte));
+            let is_plain =
+                !own.is_empty() && own.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-".contains(&byte));
             let quote = if is_plain { "" } else { "\"" };
             let help = format!("add `[[io.{quote}{own}{quote}.data]]` with a table and `at`");
             self.report(name, format!("`{own}` has no data"), &help);

@@ -267,9 +267,10 @@ fn wrong_type(found: &str, wanted: &str, line: &str) -> Wrong {
         }
         wanted if let Some(count) = wanted.strip_prefix("an array of length ") => {
             let key = line.split('=').next().unwrap_or_default().trim();
+            let first = if value.is_empty() { "…" } else { value };
             return Wrong {
                 title: format!("a list of {count} values is expected here, not {is}"),
-                help: format!("write `{key} = [{value}, …]`"),
+                help: format!("write `{key} = [{first}, …]`"),
             };
         }
         wanted => (wanted, "write a value of that kind".to_owned()),
@@ -590,6 +591,8 @@ mod tests {
         let array = "invalid type: integer `1000`, expected an array of length 2";
         let two = "a list of 2 values is expected here, not the number 1000";
         same(array, "raw = 1000", two, "write `raw = [1000, …]`");
+        let table = "invalid type: map, expected an array of length 2";
+        same(table, "raw = { low = 1 }", "a list of 2 values is expected here, not a table", "write `raw = […, …]`");
         let pair = "write `expect = { \"Q0.0\" = 1 }`";
         same(list, "expect = [\"Q0.0 = 1\"]", "a table is expected here, not a list", pair);
         let list = "invalid type: map, expected a sequence";

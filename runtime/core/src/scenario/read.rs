@@ -225,7 +225,7 @@ impl Reader<'_> {
         let plain = if is_text { text.to_string() } else { with_tolerance(text) };
         let text = plain.as_str();
         let compared = text.trim_start().strip_prefix(['<', '>', '=']).map(|rest| rest.trim_start_matches(['=', '>']));
-        if let Some(number) = compared.map(str::trim).filter(|_| !is_text) {
+        if let Some(number) = compared.map(str::trim).filter(|number| !is_text && !number.is_empty()) {
             return Err(format!(
                 "`{text}`: a comparison is not possible here; write a value, with a tolerance as in `\"{number} +- 0.1\"`"
             ));
