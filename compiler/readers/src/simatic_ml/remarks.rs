@@ -24,9 +24,11 @@ pub fn remarks(file: &str, overlay: &str) -> Remarks {
     let Ok(document) = crate::xml::parse(file) else { return found };
     let mut line = Line { overlay, at: 0, is_blank: true };
     for node in document.root().descendants() {
-        if is_code(node) {
-            // What is declared before the code is not on its first line.
+        if is_code(node) || is_constant(node) {
+            // What is declared before it is not on its line.
             put(&mut found.text, "\n", node.range().start);
+        }
+        if is_code(node) {
             line = Line { overlay, at: node.range().start, is_blank: true };
         }
         if is(node, "StructuredText") {
@@ -65,12 +67,14 @@ fn is_code(node: Node) -> bool {
     is(node, "StructuredText") || is(node, "StatementList")
 }
 
+fn is_constant(node: Node) -> bool {
+    let is_constants = |outer: Node| is(outer, "Section") && outer.attribute("Name") == Some("Constant");
+    is(node, "Member") && node.ancestors().any(is_constants)
+}
+
 /// Whether a node is the comment of a constant, which has none in the tree.
 fn is_of_constant(node: Node) -> bool {
-    let is_constants = |outer: Node| is(outer, "Section") && outer.attribute("Name") == Some("Constant");
-    is(node, "Comment")
-        && node.parent().is_some_and(|member| is(member, "Member"))
-        && node.ancestors().any(is_constants)
+    is(node, "Comment") && node.parent().is_some_and(is_constant)
 }
 
 /// A comment between statements or of a constant, or a pragma of the file.
