@@ -5,6 +5,7 @@ use plcc_syntax::network::ast::{Element, Pin, Target};
 use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm, StatementKind};
 
+use super::out_pin;
 use crate::names;
 use crate::scl::expression;
 use crate::writer::Writer;
@@ -27,9 +28,12 @@ impl Writer<'_> {
         }
     }
 
-    /// Refuses standard functions of PLCopen XML that are formulas, such as TIME times REAL, and outputs with several connections.
+    /// Refuses standard functions of PLCopen XML that are formulas, such as TIME times REAL, and outputs with several connections besides
+    /// the flow.
     pub(super) fn sd_check_element(&mut self, element: &Element) {
-        let outputs: Vec<&Pin> = element.pins.iter().filter(|pin| pin.output).collect();
+        let flow = out_pin(element).map(|(index, _)| index);
+        let written = element.pins.iter().enumerate().filter(|(index, pin)| pin.output && flow != Some(*index));
+        let outputs: Vec<&Pin> = written.map(|(_, pin)| pin).collect();
         let is_again =
             |at: usize| outputs[..at].iter().any(|before| before.name.eq_ignore_ascii_case(&outputs[at].name));
         if let Some(at) = (0..outputs.len()).find(|at| is_again(*at)) {

@@ -195,6 +195,17 @@ fn outputs_with_several_connections_are_refused() {
     assert!(said.contains("the output `out` with several connections, of which a document has one"), "{said}");
 }
 
+/// The flow of a gate goes on, and its output is at a variable too.
+#[test]
+fn a_flow_and_a_variable_at_one_output_are_written() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/languages/project.xml");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "sd", "-o", "a.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let document = fs::read_to_string(folder.path().join("a.s7dcl")).expect("the document is there");
+    assert!(document.contains("A( in2 := NOT #off, out => #held )  Coil( #loop_1 )"), "{document}");
+}
+
 /// A warning says that what is written needs what is left out.
 #[test]
 fn blocks_that_others_use_are_named() {
