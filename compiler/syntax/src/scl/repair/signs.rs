@@ -1,6 +1,11 @@
 //! Signs and numbers of other languages: `==`, `&&`, `i++`, `0x1F`, `3,5`.
+//!
+//! - Here: operators and assignments; `conditions`: what is on both sides of them.
+//! - `numbers`: `0x1F`, `3,5`; `comments`: `# text`, and `*)` alone.
 
-use plcc_literal::duration::{self, Fraction, Smallest};
+mod comments;
+mod conditions;
+mod numbers;
 
 use super::{Repair, begins_operand, ends_operand};
 use crate::scl::keyword::Keyword;
@@ -13,9 +18,6 @@ const PAIRS: &[(RawKind, RawKind, RawKind, &str, &str)] = &[
     (RawKind::Equal, RawKind::Less, RawKind::LessEqual, "<=", "less or equal is `<=`"),
     (RawKind::Ampersand, RawKind::Ampersand, RawKind::Ampersand, "AND", "the operator is `AND`"),
 ];
-
-/// How many tokens a condition may have that a help shows.
-const CONDITION_MAX: usize = 24;
 
 impl Repair<'_> {
     /// Repairs the sign or number at the current place.
@@ -108,50 +110,6 @@ impl Repair<'_> {
         true
     }
 
-    /// The conditions before token `at` and from token `after` on, with their comparisons; `…` for what is itself written as in
-    /// another language, or is long.
-    fn conditions(&self, at: usize, after: usize) -> (String, String) {
-        let (mut first, mut depth) = (at, 0usize);
-        while first > self.statement && at - first < CONDITION_MAX {
-            let token = self.tokens[first - 1];
-            match token.kind {
-                RawKind::RightParen | RawKind::RightBracket => depth += 1,
-                RawKind::LeftParen | RawKind::LeftBracket if depth == 0 => break,
-                RawKind::LeftParen | RawKind::LeftBracket => depth -= 1,
-                _ if depth == 0 && ends_condition(token) => break,
-                _ => {}
-            }
-            first -= 1;
-        }
-        let left = if depth == 0 { self.condition(first, at) } else { None };
-        let mut end = after;
-        depth = 0;
-        while let Some(token) = self.token(end).filter(|_| end - after < CONDITION_MAX) {
-            match token.kind {
-                RawKind::LeftParen | RawKind::LeftBracket => depth += 1,
-                RawKind::RightParen | RawKind::RightBracket if depth == 0 => break,
-                RawKind::RightParen | RawKind::RightBracket => depth -= 1,
-                _ if depth > 0 => {}
-                _ if ends_condition(token) => break,
-                // Two operands in a row belong to different parts.
-                _ if end > after && begins_operand(token) && ends_operand(self.tokens[end - 1]) => break,
-                _ => {}
-            }
-            end += 1;
-        }
-        let right = if depth == 0 { self.condition(after, end) } else { None };
-        let shown = |condition: Option<&str>| condition.unwrap_or("…").to_owned();
-        (shown(left), shown(right))
-    }
-
-    /// The text of a condition, if it is one of SCL.
-    fn condition(&self, first: usize, end: usize) -> Option<&str> {
-        let tokens = self.tokens.get(first..end).filter(|tokens| !tokens.is_empty() && tokens.len() < CONDITION_MAX)?;
-        let foreign = tokens.iter().any(|token| matches!(token.kind, RawKind::Stray | RawKind::Arrow))
-            || tokens.windows(2).any(|pair| is_comparison(pair[0].kind) && is_comparison(pair[1].kind));
-        (!foreign).then(|| self.words(first, end - 1))
-    }
-
     /// `!=`, `!x`, `||`, `|`, `%`, `x ? a : b`
     fn stray_sign(&mut self, token: RawToken) -> bool {
         let at = self.at;
@@ -225,53 +183,6 @@ impl Repair<'_> {
         true
     }
 
-    /// `a > 5 AND < 10`: a comparison without its left side.
-    fn half_comparison(&mut self, token: RawToken) -> bool {
-        let at = self.at;
-        let links = |word: Keyword| matches!(word, Keyword::And | Keyword::Or | Keyword::Xor);
-        let is_link = |token: RawToken| token.kind == RawKind::Ampersand || token.keyword.is_some_and(links);
-        let value = |token: RawToken| begins_operand(token) || token.kind == RawKind::Minus;
-        if !self.last.is_some_and(is_link) || !self.token(at + 1).is_some_and(value) {
-            return false;
-        }
-        let (_, right) = self.sides(at, at + 1);
-        let written = self.words(at - 1, at - 1);
-        let sign = self.slice(token);
-        let help = match self.compared_before(at - 1) {
-            Some(left) => format!("write `{written} {left} {sign} {right}`"),
-            None => format!("write the value that is compared with `{right}` before `{sign}`"),
-        };
-        let title = format!("the value before `{sign}` is missing");
-        self.report(at, at + 1, title, "a comparison has two sides", help);
-        let missing = RawToken { kind: RawKind::Reported, keyword: None, ..token };
-        self.edits.push(super::Edit { first: at, after: at + 1, with: vec![missing, token] });
-        self.at += 1;
-        self.note(token);
-        true
-    }
-
-    /// The left side of the comparison that ends before `end`.
-    fn compared_before(&self, end: usize) -> Option<String> {
-        // From the sign to the beginning of its left side, past brackets.
-        let (mut sign, mut first, mut depth) = (None, end, 0usize);
-        while first > self.statement {
-            let token = self.tokens[first - 1];
-            match token.kind {
-                RawKind::RightParen | RawKind::RightBracket => depth += 1,
-                RawKind::LeftParen | RawKind::LeftBracket if depth == 0 => break,
-                RawKind::LeftParen | RawKind::LeftBracket => depth -= 1,
-                _ if depth > 0 => {}
-                kind if is_comparison(kind) && sign.is_none() => sign = Some(first - 1),
-                RawKind::Assign | RawKind::Comma | RawKind::Semicolon | RawKind::Ampersand => break,
-                _ if token.keyword.is_some_and(|word| !matches!(word, Keyword::Mod | Keyword::Div)) => break,
-                _ => {}
-            }
-            first -= 1;
-        }
-        let sign = sign.filter(|sign| first < *sign)?;
-        Some(self.words(first, sign - 1).to_owned())
-    }
-
     /// `a << 2`, `a >> 2`
     fn shift(&mut self, token: RawToken) -> bool {
         let at = self.at;
@@ -335,23 +246,6 @@ impl Repair<'_> {
         true
     }
 
-    /// `.5`: a digit is before the point.
-    fn bare_fraction(&mut self) -> bool {
-        let at = self.at;
-        let digits = self.token(at + 1).filter(|next| next.kind == RawKind::Number && self.adjacent(at));
-        let Some(digits) = digits.filter(|_| !self.last.is_some_and(ends_operand)) else { return false };
-        let help = format!("write `0.{}`", self.slice(digits));
-        self.report(
-            at,
-            at + 2,
-            "a decimal number has a digit before its point".to_owned(),
-            "not a number of SCL",
-            help,
-        );
-        self.replace(at, at + 2, RawKind::Reported, None);
-        true
-    }
-
     /// `a : = 5;`
     fn split_assignment(&mut self) -> bool {
         let at = self.at;
@@ -407,60 +301,6 @@ impl Repair<'_> {
         true
     }
 
-    /// `# comment` at the beginning of a line.
-    fn comment_with_hash(&mut self, token: RawToken) -> bool {
-        let at = self.at;
-        let blank =
-            self.text.as_bytes().get(token.end as usize).is_some_and(|byte| matches!(byte, b' ' | b'\t' | b'#'));
-        if !blank || !(token.first_on_line || self.last.is_some_and(|last| last.kind == RawKind::Semicolon)) {
-            return false;
-        }
-        let mut after = at + 1;
-        while self.beside(after).is_some() {
-            after += 1;
-        }
-        let text = self.words(at, after - 1).trim_start_matches('#').trim().to_owned();
-        let help = format!("write `// {text}`");
-        self.report(at, at + 1, "a comment begins with `//`".to_owned(), "read as a comment", help);
-        self.drop_tokens(at, after);
-        self.statement = self.at;
-        true
-    }
-
-    /// `/ comment` at the beginning of a line.
-    fn half_comment(&mut self, token: RawToken) -> bool {
-        let at = self.at;
-        let begins = self.brackets.is_empty() && self.head.is_none() && at == self.statement;
-        if !begins || !token.first_on_line {
-            return false;
-        }
-        let mut after = at + 1;
-        while self.beside(after).is_some() {
-            after += 1;
-        }
-        let text = self.words(at, after - 1).trim_start_matches('/').trim().to_owned();
-        let help = format!("write `// {text}`");
-        self.report(at, at + 1, "a comment begins with `//`".to_owned(), "read as a comment", help);
-        self.drop_tokens(at, after);
-        self.statement = self.at;
-        true
-    }
-
-    /// `*)` without a comment that it ends.
-    fn end_of_no_comment(&mut self) -> bool {
-        let at = self.at;
-        if self.kind(at + 1) != Some(RawKind::RightParen) || !self.adjacent(at) || !self.brackets.is_empty() {
-            return false;
-        }
-        let help = "remove it, or write `(*` where the comment begins".to_owned();
-        self.report(at, at + 2, "`*)` ends no comment".to_owned(), "no comment is open here", help);
-        self.drop_tokens(at, at + 2);
-        if at == self.statement {
-            self.statement = self.at;
-        }
-        true
-    }
-
     /// `f(a := 1; b := 2)`
     fn arguments_with_semicolon(&mut self) -> bool {
         const LOOK_MAX: usize = 200;
@@ -508,100 +348,6 @@ impl Repair<'_> {
         }
         true
     }
-
-    /// `0x1F`, `0b101`, `5L`, `5s`, `3,5`
-    pub(super) fn repair_number(&mut self, token: RawToken) -> bool {
-        if !matches!(token.kind, RawKind::Number | RawKind::Real) {
-            return false;
-        }
-        let at = self.at;
-        let number = self.slice(token);
-        if token.kind == RawKind::Real {
-            // `1.5f`
-            let letter = self.token(at + 1).filter(|next| next.kind == RawKind::Word && self.adjacent(at));
-            if !letter.is_some_and(|next| matches!(self.slice(next), "f" | "F" | "d" | "D")) {
-                return false;
-            }
-            let help = format!("write `{number}`");
-            self.report(at, at + 2, "a REAL number has no letter after it".to_owned(), "not a number of SCL", help);
-            self.replace(at, at + 2, RawKind::Reported, None);
-            return true;
-        }
-        let next = self.token(at + 1).filter(|_| self.adjacent(at));
-        let Some(next) = next else { return false };
-        match next.kind {
-            RawKind::Word if self.is_declared(self.words(at, at + 1)) => {
-                // The name was reported where it is declared.
-                let name = RawToken { kind: RawKind::Word, end: next.end, keyword: None, ..token };
-                self.edits.push(super::Edit { first: at, after: at + 2, with: vec![name] });
-                self.at = at + 2;
-                self.note(name);
-                true
-            }
-            RawKind::Word => {
-                let Some((title, written)) = foreign_number(number, self.slice(next)) else { return false };
-                let help = format!("write `{written}`");
-                self.report(at, at + 2, title.to_owned(), "not a number of SCL", help);
-                self.replace(at, at + 2, RawKind::Reported, None);
-                true
-            }
-            RawKind::Comma => {
-                let digits = self.token(at + 2).filter(|next| next.kind == RawKind::Number && self.adjacent(at + 1));
-                let alone = self.kind(at + 3) != Some(RawKind::Comma);
-                let value = alone && self.brackets.is_empty() && self.is_real_value();
-                let Some(digits) = digits.filter(|_| value) else { return false };
-                let written = format!("{number}.{}", self.slice(digits));
-                let help = format!("write `{written}`");
-                self.report(at, at + 3, "a decimal number has a point".to_owned(), "read as one number", help);
-                self.replace(at, at + 3, RawKind::Reported, None);
-                true
-            }
-            _ => false,
-        }
-    }
-
-    /// Whether one number stands here: after `:=` or an operator of a statement, or as the initial value of a REAL.
-    fn is_real_value(&self) -> bool {
-        let Some(mut last) = self.last else { return false };
-        // What counts is before the sign of the number: `-2..-1,7:` are values of CASE.
-        if matches!(last.kind, RawKind::Plus | RawKind::Minus)
-            && let Some(before) = self.at.checked_sub(2).and_then(|before| self.token(before))
-            && !ends_operand(before)
-        {
-            last = before;
-        }
-        match self.area {
-            super::Area::Statements | super::Area::Head => matches!(
-                last.kind,
-                RawKind::Assign
-                    | RawKind::Plus
-                    | RawKind::Minus
-                    | RawKind::Star
-                    | RawKind::Slash
-                    | RawKind::Less
-                    | RawKind::Greater
-                    | RawKind::LessEqual
-                    | RawKind::GreaterEqual
-            ),
-            super::Area::Declarations => {
-                let real =
-                    self.at.checked_sub(2).and_then(|before| self.token(before)).is_some_and(|ty| {
-                        ["REAL", "LREAL"].iter().any(|name| name.eq_ignore_ascii_case(self.slice(ty)))
-                    });
-                let array = (self.statement..self.at).any(|index| self.keyword(index) == Some(Keyword::Array));
-                last.kind == RawKind::Assign && real && !array
-            }
-        }
-    }
-}
-
-/// Whether a condition cannot contain the token, outside of brackets.
-fn ends_condition(token: RawToken) -> bool {
-    let foreign = matches!(
-        token.kind,
-        RawKind::Assign | RawKind::Comma | RawKind::Semicolon | RawKind::Colon | RawKind::Ampersand | RawKind::Stray
-    );
-    foreign || token.keyword.is_some_and(|word| !matches!(word, Keyword::Mod | Keyword::Div | Keyword::Not))
 }
 
 pub(super) fn is_comparison(kind: RawKind) -> bool {
@@ -614,64 +360,4 @@ pub(super) fn is_comparison(kind: RawKind) -> bool {
             | RawKind::Equal
             | RawKind::NotEqual
     )
-}
-
-/// What is meant by a number and the letters directly after it, and how SCL writes it.
-pub(super) fn foreign_number(number: &str, word: &str) -> Option<(&'static str, String)> {
-    let upper = word.to_ascii_uppercase();
-    let digits = upper.get(1..).unwrap_or_default();
-    let of_base =
-        |base: u32| !digits.is_empty() && digits.bytes().all(|byte| byte == b'_' || char::from(byte).is_digit(base));
-    Some(match upper.as_str() {
-        _ if number == "0" && upper.starts_with('X') && of_base(16) => {
-            ("a hexadecimal number begins with `16#`", format!("16#{digits}"))
-        }
-        _ if number == "0" && upper.starts_with('B') && of_base(2) => {
-            ("a binary number begins with `2#`", format!("2#{digits}"))
-        }
-        _ if number == "0" && upper.starts_with('O') && of_base(8) => {
-            ("an octal number begins with `8#`", format!("8#{digits}"))
-        }
-        "L" | "LL" => ("a number of type DINT begins with `L#`", format!("L#{number}")),
-        "U" | "UL" => ("a number without sign has its type before it", format!("UDINT#{number}")),
-        "F" => ("a number of type REAL has a point", format!("{number}.0")),
-        "MS" | "S" | "M" | "H" | "MIN" | "SEC" => {
-            let unit = match upper.as_str() {
-                "MIN" => "M",
-                "SEC" => "S",
-                unit => unit,
-            };
-            ("a time begins with `T#`", format!("T#{number}{unit}"))
-        }
-        _ if word.bytes().any(|byte| byte.is_ascii_digit()) && is_duration(&format!("{number}{word}")) => {
-            ("a time begins with `T#`", format!("T#{number}{upper}"))
-        }
-        _ if upper == "H" || upper.bytes().all(|byte| byte.is_ascii_hexdigit()) => {
-            ("a hexadecimal number begins with `16#`", format!("16#{number}{upper}"))
-        }
-        _ => return None,
-    })
-}
-
-/// `1h30m`
-fn is_duration(text: &str) -> bool {
-    duration::nanoseconds(text, Smallest::Nanosecond, Fraction::Last).is_ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::foreign_number;
-
-    #[test]
-    fn numbers_are_written_with_their_digits() {
-        let written = |number, word| foreign_number(number, word).map(|(_, written)| written);
-        assert_eq!(written("0", "x1f").as_deref(), Some("16#1F"));
-        assert_eq!(written("0", "b101").as_deref(), Some("2#101"));
-        assert_eq!(written("7", "s").as_deref(), Some("T#7S"));
-        assert_eq!(written("1", "h30m").as_deref(), Some("T#1H30M"));
-        assert_eq!(written("5", "L").as_deref(), Some("L#5"));
-        assert_eq!(written("1", "F").as_deref(), Some("1.0"));
-        assert_eq!(written("12", "AB").as_deref(), Some("16#12AB"));
-        assert_eq!(written("12", "px"), None);
-    }
 }
