@@ -1,12 +1,14 @@
 //! `plc.toml`: the parts of a project and the settings of its CPU. docs/plc-toml.md describes every key.
+//!
+//! `keys` is the file as it is read; `blocks` checks the settings of organization blocks, `modules` addresses.
 
+mod blocks;
 mod keys;
+mod modules;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
-use plcc_abi::image::{Config, Family, Module, Profile, TimeOfDay};
-use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
+use plcc_abi::image::{Config, Family, Profile};
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, Span};
 use plcc_literal::duration::{interval, meant_span};
 use plcc_literal::toml_words;
@@ -17,14 +19,12 @@ use toml::Spanned;
 use crate::axes;
 use crate::connections;
 use crate::cpu_settings::CpuSetting;
-use crate::keys::one_of;
-use crate::remote;
 use crate::retain;
 use crate::s7200;
 use crate::services;
 use crate::station::{self, Station};
 use crate::technology;
-use keys::{AddressKeys, ExceededKey, Keys, MnemonicsKey, ModuleKeys, ObKeys, StartupKey};
+use keys::{ExceededKey, Keys, MnemonicsKey, StartupKey};
 
 /// Name of the file that makes a folder a project.
 pub const FILE_NAME: &str = "plc.toml";
@@ -118,21 +118,6 @@ fn belongs_below(title: &str, before: &str) -> Option<String> {
         heading => format!("write it below the heading `[{heading}]`"),
     })
 }
-
-/// Codes of SFC 28 for the words of `every`. Source: SFC reference, SET_TINT.
-const TIME_OF_DAY_PERIODS: [(&str, u16); 8] = [
-    ("once", 0x0000),
-    ("minute", 0x0201),
-    ("hour", 0x0401),
-    ("day", 0x1001),
-    ("week", 0x1201),
-    ("month", 0x1401),
-    ("month end", 0x2001),
-    ("year", 0x1801),
-];
-
-/// Peripheral addresses are 16 bits wide.
-const PERIPHERAL_BYTES: i64 = 65536;
 
 struct Context {
     file: FileId,
@@ -286,145 +271,6 @@ impl Context {
         }
     }
 
-    fn organization_block(&mut self, number: &Spanned<String>, keys: &ObKeys, config: &mut Config) {
-        let Ok(ob @ 1..=OB_NUMBER_MAX) = number.get_ref().parse::<u16>() else {
-            let title = format!("`{}` is not a number of an organization block", number.get_ref());
-            // `[ob.OB35]`
-            let digits = number.get_ref().trim_start_matches(|c: char| !c.is_ascii_digit()).trim_end();
-            let meant = digits.parse::<u16>().ok().filter(|ob| (1..=OB_NUMBER_MAX).contains(ob));
-            let help = match meant {
-                Some(ob) => format!("write `[ob.{ob}]`"),
-                None => "write the number of the block, as in `[ob.35]`".to_string(),
-            };
-            return self.report(number.span(), title, &help);
-        };
-        self.note_of_cpu(CpuSetting::Ob(ob), number.span());
-        let class = keys.class.as_ref().and_then(|class| self.class(ob, class));
-        config.ob_classes.extend(class.map(|class| (ob, class)));
-        // Without a class here, that of the block counts.
-        let may_be = |wanted: ObClass| match class.or(ObClass::of_number(ob)) {
-            Some(class) => class == wanted,
-            None => ob >= OB_FREE,
-        };
-        let (cyclic, time_of_day) = (may_be(ObClass::Cyclic), may_be(ObClass::TimeOfDay));
-        for (key, is_phase) in [(&keys.period, false), (&keys.phase, true)] {
-            let Some(time) = key else { continue };
-            if !cyclic {
-                let help =
-                    "OB 30 to OB 38 have a period and a phase, and so do OBs from 123 on with `class = \"cyclic\"`";
-                self.report(time.span(), format!("OB {ob} is not cyclic"), help);
-            } else if let Some(ms) = self.duration(time, if is_phase { 0..=60_000 } else { 1..=60_000 }) {
-                let list = if is_phase { &mut config.cyclic_phase_ms } else { &mut config.cyclic_period_ms };
-                list.push((ob, ms));
-            }
-        }
-        if let Some(priority) = &keys.priority {
-            self.note_of_cpu(CpuSetting::Priority(ob, class.or(ObClass::of_number(ob))), priority.span());
-            config.priorities.extend(self.number(priority, 2..=24, "a priority").map(|priority| (ob, priority)));
-        }
-        match (&keys.start, &keys.every) {
-            (None, None) => {}
-            (Some(start), every) if time_of_day => {
-                let period = self.time_of_day_period(every.as_ref());
-                if !is_date_and_time(start.get_ref()) {
-                    let title = format!("`{}` is not a date and time", start.get_ref());
-                    let help = match meant_date(start.get_ref()) {
-                        Some(meant) => format!("write `{meant}`"),
-                        None => "write year, month, day and time, as in `2026-01-31T06:00:00`".to_string(),
-                    };
-                    return self.report(start.span(), title, &help);
-                }
-                config.time_of_day.push(TimeOfDay { ob, start: start.get_ref().clone(), period });
-            }
-            (Some(key), _) | (None, Some(key)) if !time_of_day => {
-                self.report(
-                    key.span(),
-                    format!("OB {ob} is not a time-of-day interrupt"),
-                    "OB 10 to OB 17 start at a time of day",
-                );
-            }
-            (_, Some(key)) => {
-                self.report(key.span(), "`every` without `start`", "write `start = \"2026-01-31T06:00:00\"`")
-            }
-            (Some(_), None) => {}
-        }
-    }
-
-    /// The class of an OB from 123 on.
-    fn class(&mut self, ob: u16, word: &Spanned<String>) -> Option<ObClass> {
-        let free: Vec<_> = OB_CLASSES.iter().filter(|row| row.free).collect();
-        let row = free.iter().find(|row| row.word == word.get_ref().as_str());
-        if ob < OB_FREE || row.is_none() {
-            let words: Vec<&str> = free.iter().map(|row| row.word).collect();
-            let title = if ob < OB_FREE {
-                format!("the number of OB {ob} determines its class")
-            } else {
-                format!("`{}` is not a class of OB {ob}", word.get_ref())
-            };
-            let help = format!("the classes of OB {OB_FREE} and above are {}", words.join(", "));
-            self.report(word.span(), title, &help);
-            return None;
-        }
-        row.map(|row| row.class)
-    }
-
-    fn time_of_day_period(&mut self, every: Option<&Spanned<String>>) -> u16 {
-        let Some(every) = every else { return 0 };
-        match TIME_OF_DAY_PERIODS.iter().find(|(word, _)| word == every.get_ref()) {
-            Some((_, code)) => *code,
-            None => {
-                let words = TIME_OF_DAY_PERIODS.map(|(word, _)| word);
-                let title = format!("`{}` is not a period of a time-of-day interrupt", every.get_ref());
-                self.report(every.span(), title, &one_of(every.get_ref(), &words));
-                0
-            }
-        }
-    }
-
-    /// The modules of the station, and those that `[[module]]` describes with their addresses.
-    fn modules(&mut self, mut modules: Vec<Module>, keys: &[ModuleKeys]) -> Vec<Module> {
-        for module in keys {
-            let (input_start, input_bytes) = self.addresses(module.inputs.as_ref());
-            let (output_start, output_bytes) = self.addresses(module.outputs.as_ref());
-            let name = module.name.get_ref().clone();
-            let new = Module { name, input_start, input_bytes, output_start, output_bytes, station: None };
-            if let Some(other) = modules.iter().find(|other| overlap(other, &new)) {
-                let title = format!("modules `{}` and `{}` have addresses in common", other.name, new.name);
-                self.report(module.name.span(), title, "give each module its own addresses");
-            }
-            modules.push(new);
-        }
-        modules
-    }
-
-    /// Devices on a field bus. Beside modules their addresses are further ones.
-    fn devices(&mut self, keys: &BTreeMap<Spanned<String>, remote::IoKeys>, config: &mut Config) {
-        let (stations, messages) = remote::read(keys, self.file);
-        self.diagnostics.extend(messages);
-        if let Some(modules) = &mut config.modules {
-            let new: Vec<Module> = remote::modules(&stations).collect();
-            for device in &new {
-                if let Some(other) = modules.iter().find(|other| overlap(other, device)) {
-                    let title = format!("`{}` and module `{}` have addresses in common", device.name, other.name);
-                    let name = keys.keys().find(|name| device.name == format!("io {}", name.get_ref()));
-                    let span = name.map_or(0..0, Spanned::span);
-                    self.report(span, title, "give each its own addresses");
-                }
-            }
-            modules.extend(new);
-        }
-        config.remote = stations;
-    }
-
-    /// Start byte and number of bytes; both 0 if the module has none.
-    fn addresses(&mut self, keys: Option<&AddressKeys>) -> (u32, u32) {
-        let Some(keys) = keys else { return (0, 0) };
-        let start = self.number::<u32>(&keys.start, 0..=PERIPHERAL_BYTES - 1, "a start address");
-        let most = PERIPHERAL_BYTES - i64::from(start.unwrap_or_default());
-        let bytes = self.number::<u32>(&keys.bytes, 1..=most, "a number of bytes");
-        (start.unwrap_or_default(), bytes.unwrap_or_default())
-    }
-
     fn number<T: TryFrom<i64>>(
         &mut self,
         key: &Spanned<i64>,
@@ -466,42 +312,6 @@ pub(crate) fn duration_of(text: &str, unit_ns: u64) -> Option<u64> {
     ns.is_multiple_of(unit_ns).then_some(ns / unit_ns)
 }
 
-/// `2026-01-31T06:00:00` for `31.01.2026 06:00` and `2026-01-31 06:00`; nothing for `01/02/2026`, which may be of January or February, and
-/// for `6:00 PM`.
-fn meant_date(text: &str) -> Option<String> {
-    if text.contains('/') || text.contains(|c: char| c.is_alphabetic() && !matches!(c, 'T' | 't' | 'Z' | 'z')) {
-        return None;
-    }
-    let numbers = text.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty());
-    let numbers: Vec<u32> = numbers.map(|part| part.parse().ok()).collect::<Option<_>>()?;
-    let (year, month, day, time) = match numbers.as_slice() {
-        [day, month, year @ 1000..=u32::MAX, time @ ..] | [year @ 1000..=u32::MAX, month, day, time @ ..] => {
-            (year, month, day, time)
-        }
-        _ => return None,
-    };
-    let part = |index: usize| time.get(index).copied().unwrap_or_default();
-    let meant = format!("{year}-{month:02}-{day:02}T{:02}:{:02}:{:02}", part(0), part(1), part(2));
-    (time.len() <= 3 && is_date_and_time(&meant)).then_some(meant)
-}
-
-fn is_date_and_time(text: &str) -> bool {
-    match text.parse::<toml::value::Datetime>() {
-        Ok(toml::value::Datetime { date: Some(date), time: Some(_), offset: None }) => {
-            (1990..=2089).contains(&date.year)
-        }
-        Ok(_) | Err(_) => false,
-    }
-}
-
-fn overlap(a: &Module, b: &Module) -> bool {
-    let ranges_overlap = |a_start: u32, a_bytes: u32, b_start: u32, b_bytes: u32| {
-        a_bytes > 0 && b_bytes > 0 && a_start < b_start + b_bytes && b_start < a_start + a_bytes
-    };
-    ranges_overlap(a.input_start, a.input_bytes, b.input_start, b.input_bytes)
-        || ranges_overlap(a.output_start, a.output_bytes, b.output_start, b.output_bytes)
-}
-
 /// The number of a key. `Err`: what is wrong with it, for a message.
 pub(crate) fn number_within<T: TryFrom<i64>>(
     key: &Spanned<i64>,
@@ -517,6 +327,8 @@ pub(crate) fn number_within<T: TryFrom<i64>>(
 
 #[cfg(test)]
 mod tests {
+    use plcc_abi::ob::ObClass;
+
     use super::*;
 
     fn read(text: &str) -> (Project, Vec<(u32, String)>) {
