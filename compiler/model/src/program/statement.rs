@@ -1,4 +1,4 @@
-//! Statements of STL with their operands, calls and assertions.
+//! Statements of STL and their operands.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::Span;
