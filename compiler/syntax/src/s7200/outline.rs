@@ -96,6 +96,8 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
             *data = false;
             return Sign::None;
         }
+        // What follows is a text.
+        "TITLE" | "NETWORK" => return Sign::None,
         _ => {}
     }
     // Counted where it opens.

@@ -213,6 +213,9 @@ fn the_family_of_a_source_is_found() {
         "LD I0.0\nINC VW0\n",
         "LD I0.0 (* start *)\n= Q0.0\n",
         "LD I0.0\nVW0 := 5\n",
+        // A title may begin like a statement.
+        "NETWORK 1\nTITLE: A pump\nLD I0.0\n= Q0.0\n",
+        "TITLE=Pump (left)\nNETWORK 1\nLD I0.0\n= Q0.0\n",
     ] {
         assert!(super::is_s7200(text), "{text:?}");
     }
