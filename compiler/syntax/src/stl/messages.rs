@@ -98,6 +98,19 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
                     mnemonics::letters(area, width, state.rules)?
                 }
             };
+            // `Data.DBW 0`: these letters are those of both sets.
+            if own.eq_ignore_ascii_case(letters.as_str()) {
+                let [.., (from, Tok::Name(_), to), (_, Tok::Dot, _), _] = state.tokens.get(..index)? else {
+                    return None;
+                };
+                if !own.starts_with("DB") {
+                    return None;
+                }
+                let block = state.text.get(*from..*to)?;
+                let help = format!("write `\"{block}\".{whole}`");
+                let title = "a symbol before an address has quotes".to_owned();
+                return told(Code::ForeignForm, *from..*end, title, "a name without quotes", help);
+            }
             let (own_set, other_set) = (set_name(state.rules), set_name(mnemonics::other(state.rules)));
             told(
                 Code::MixedMnemonics,
