@@ -270,7 +270,7 @@ system_functions! {
     2114 LOG_ACTION (Byte, Dword)        -> (Word, Dword)     = records::log_action;
     2115 LOG_NEW (Dword, Variant, Dword) -> (Word, Dword)     = records::log_new;
     2116 LOG_DELETE (Variant, Bool, Dword) -> (Word, Dword)   = records::log_delete;
-    2117 RECIPES (Bool, Variant)         -> (Word, Dword)     = records::recipes;
+    2117 RECIPE_JOB (Bool, Variant)      -> (Word, Dword)     = records::recipes;
     2118 FILE_READ (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_read;
     2119 FILE_WRITE (Variant, Dword, Dword, Variant) -> (Word, Dword) = records::file_write;
     2120 FILE_DELETE (Variant)           -> (Word, Dword)     = records::file_delete;
