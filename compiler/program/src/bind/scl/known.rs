@@ -124,7 +124,9 @@ impl SclBinder<'_, '_> {
             }
         };
         let [low, _, high] = values else { return };
-        let limits = number(low).zip(number(high));
+        // TIME counts milliseconds, LTIME nanoseconds; two of them do not go together.
+        let is_long = |value: &Value| typed_constant(value).is_some_and(|(ty, _)| ty == Elementary::Ltime);
+        let limits = number(low).zip(number(high)).filter(|_| is_long(low) == is_long(high));
         if limits.is_some_and(|(low, high)| low.float() > high.float()) {
             let globals = &self.program.globals;
             let (span, low, high) = (low.span(), globals.text(low.span()), globals.text(high.span()));
