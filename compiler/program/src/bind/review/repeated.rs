@@ -1,7 +1,7 @@
 //! Conditions in SCL that have a part twice, or a part and its opposite: `a OR b OR a`, `a AND NOT a`.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_model::scl::{BinaryOp, Expr, ExprKind, Statement, UnaryOp, walk};
+use plcc_model::scl::{BinaryOp, Expr, ExprKind, Statement, StatementKind, UnaryOp, walk};
 use plcc_syntax::Elementary;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -10,13 +10,15 @@ use super::same::comparable_names;
 
 /// Reports the conditions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
-    walk::statements(list, &mut Conditions { text, collected: FxHashSet::default(), found });
+    walk::statements(list, &mut Conditions { text, collected: FxHashSet::default(), assigned: None, found });
 }
 
 struct Conditions<'r> {
     text: &'r dyn Fn(Span) -> String,
     /// Where the parts of conditions begin and end that were looked at with the whole.
     collected: FxHashSet<(u32, u32)>,
+    /// Where the value begins and ends that the current statement assigns.
+    assigned: Option<(u32, u32)>,
     found: &'r mut Vec<Diagnostic>,
 }
 
@@ -50,6 +52,13 @@ impl Conditions<'_> {
 }
 
 impl walk::Visitor for Conditions<'_> {
+    fn statement(&mut self, statement: &Statement) {
+        self.assigned = match &statement.kind {
+            StatementKind::Assign { value, .. } => Some((value.span.start, value.span.end)),
+            _ => None,
+        };
+    }
+
     fn expr(&mut self, value: &Expr) {
         let ExprKind::Binary { op: op @ (BinaryOp::And | BinaryOp::Or), .. } = value.kind else { return };
         let span = value.span;
@@ -58,6 +67,8 @@ impl walk::Visitor for Conditions<'_> {
         }
         let mut parts = Vec::new();
         self.collect(value, op, &mut parts);
+        // `always := a OR NOT a` makes a bit that is always TRUE, as usual in STL and LAD.
+        let makes_constant = parts.len() == 2 && self.assigned == Some((span.start, span.end));
         // By what is written: the place, and whether NOT is before it.
         let mut seen: FxHashMap<String, (Span, bool)> = FxHashMap::default();
         for part in parts {
@@ -73,8 +84,10 @@ impl walk::Visitor for Conditions<'_> {
             match seen.get(&written) {
                 // What one instruction computes in several steps is written once.
                 Some(first) if first.0.file == part.span.file && first.0.end <= part.span.start => {
-                    let message = self.told(op, *first, own);
-                    self.found.push(message);
+                    if first.1 == negated || !makes_constant {
+                        let message = self.told(op, *first, own);
+                        self.found.push(message);
+                    }
                     return;
                 }
                 Some(_) => {}
