@@ -167,9 +167,7 @@ impl NetworkBinder<'_, '_> {
         if !matches!(node.kind, NodeKind::Name(_) | NodeKind::Absolute(_)) {
             return None;
         }
-        let told = self.program.globals.report.diagnostics.len();
-        let thing = self.scl().thing(ctx, node, Intent::Read);
-        self.program.globals.report.diagnostics.truncate(told);
+        let thing = self.scl().quietly(ctx, |binder, ctx| binder.thing(ctx, node, Intent::Read));
         match thing? {
             Thing::Cell { kind, .. } => Some(kind),
             _ => None,

@@ -123,9 +123,7 @@ impl NetworkBinder<'_, '_> {
     pub fn output_type(&mut self, ctx: &mut SclBlock, element: &Element, name: &str) -> Option<Elementary> {
         let (_, pin) = super::pins::outputs(element, name).next()?;
         let PinValue::Operand(node) = &pin.value else { return None };
-        let told = self.program.globals.report.diagnostics.len();
-        let access = self.scl().access(ctx, node, Intent::Write);
-        self.program.globals.report.diagnostics.truncate(told);
+        let access = self.scl().quietly(ctx, |binder, ctx| binder.access(ctx, node, Intent::Write));
         access?.elementary()
     }
 

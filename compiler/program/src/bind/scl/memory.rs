@@ -83,16 +83,15 @@ impl SclBinder<'_, '_> {
     /// S_CONV between two texts is S_MOVE. Whatever binds the pins reports mistakes in them.
     fn is_text_to_text(&mut self, ctx: &mut SclBlock, pins: &Pins) -> bool {
         let (Some(input), Some(output), None) = (pins.get("IN"), pins.get("OUT"), pins.eno) else { return false };
-        let told = self.program.globals.report.diagnostics.len();
-        let target = self.access(ctx, output, Intent::Write);
-        let to_text = target.is_some_and(|access| matches!(access.ty, DataType::String(_)));
-        let from_text = to_text
-            && matches!(
-                self.value(ctx, input),
-                Some(Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _))
-            );
-        self.program.globals.report.diagnostics.truncate(told);
-        from_text
+        self.quietly(ctx, |binder, ctx| {
+            let target = binder.access(ctx, output, Intent::Write);
+            let to_text = target.is_some_and(|access| matches!(access.ty, DataType::String(_)));
+            to_text
+                && matches!(
+                    binder.value(ctx, input),
+                    Some(Value::Complex { ty: DataType::String(_), .. } | Value::Constant(Constant::Text { .. }, _))
+                )
+        })
     }
 
     pub fn peek(

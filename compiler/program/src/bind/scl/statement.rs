@@ -129,9 +129,7 @@ impl SclBinder<'_, '_> {
         match &node.kind {
             NodeKind::Literal(Literal::Integer { .. } | Literal::Real(_) | Literal::Text { .. }) => true,
             NodeKind::Name(_) | NodeKind::Member { .. } | NodeKind::Index { .. } => {
-                let told = self.program.globals.report.diagnostics.len();
-                let access = self.access(ctx, node, super::Intent::Read);
-                self.program.globals.report.diagnostics.truncate(told);
+                let access = self.quietly(ctx, |binder, ctx| binder.access(ctx, node, super::Intent::Read));
                 access.is_some_and(|access| access.elementary() != Some(plcc_syntax::Elementary::Bool))
             }
             NodeKind::Binary { .. } | NodeKind::Unary { .. } => match self.quiet_value(ctx, node) {

@@ -341,11 +341,19 @@ impl SclBinder<'_, '_> {
     }
 
     pub(super) fn quiet_value(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Value> {
+        self.quietly(ctx, |binder, ctx| binder.value(ctx, node))
+    }
+
+    /// The answer of `look`, which binds something that is bound again where its mistakes are reported.
+    pub fn quietly<T>(&mut self, ctx: &mut SclBlock, look: impl FnOnce(&mut Self, &mut SclBlock) -> T) -> T {
         let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
-        let value = self.value(ctx, node);
+        // Each unknown name is reported once: those that are found now are not reported yet.
+        let unknown = std::mem::take(&mut ctx.block.unknown_locals);
+        let found = look(self, ctx);
+        ctx.block.unknown_locals = unknown;
         self.program.globals.report.diagnostics.truncate(told);
         ctx.scope.temp_reads.truncate(reads);
-        value
+        found
     }
 
     /// True of an expression of type WSTRING; reports no mistakes in it.
@@ -368,18 +376,15 @@ impl SclBinder<'_, '_> {
 
     /// True of a function whose result is a WSTRING; reports no mistakes.
     fn gives_wide_text(&mut self, ctx: &mut SclBlock, callee: &Node) -> bool {
-        let told = self.program.globals.report.diagnostics.len();
-        let wide = match self.callee(ctx, callee) {
+        self.quietly(ctx, |binder, ctx| match binder.callee(ctx, callee) {
             Some(Callee::Block { key, instance: None }) => {
-                self.program.interface(key, callee.span).is_some_and(|bound| {
+                binder.program.interface(key, callee.span).is_some_and(|bound| {
                     let mut parameters = bound.interface.parameters.iter();
                     parameters.any(|one| is_result(key, one) && matches!(one.ty, DataType::WideString(_)))
                 })
             }
             _ => false,
-        };
-        self.program.globals.report.diagnostics.truncate(told);
-        wide
+        })
     }
 
     /// CONCAT of two or more texts.

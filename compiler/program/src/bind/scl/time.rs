@@ -209,10 +209,7 @@ impl SclBinder<'_, '_> {
         if !own || self.is_instance(ctx, name) || self.program.globals.names.symbols.contains_key(&fold(&name.text)) {
             return None;
         }
-        let (told, reads) = (self.program.globals.report.diagnostics.len(), ctx.scope.temp_reads.len());
-        let access = self.access(ctx, target, Intent::Write);
-        self.program.globals.report.diagnostics.truncate(told);
-        ctx.scope.temp_reads.truncate(reads);
+        let access = self.quietly(ctx, |binder, ctx| binder.access(ctx, target, Intent::Write));
         let to = access.filter(|access| access.part.is_none())?.ty;
         let span = node.span;
         let Some(pins) = self.pins(ctx, row, arguments, name.span) else { return Some(None) };
