@@ -74,12 +74,11 @@ impl Repair<'_> {
             }
             RawKind::DotDot | RawKind::Comma if for_head && assigned && !to && outside => {
                 let range = self.words(self.statement_head(), at - 1).to_owned();
-                let is_end = |index| {
-                    matches!(self.keyword(index), Some(Keyword::Do | Keyword::By))
-                        || self.kind(index) == Some(RawKind::Comma)
-                };
-                let last = match self.part_of_head(is_end).filter(|end| *end > at + 1) {
-                    Some(end) => self.words(at + 1, end - 1),
+                let is_end = |index| matches!(self.keyword(index), Some(Keyword::Do | Keyword::By));
+                // The step may follow after another comma.
+                let end = self.part_of_head(is_end);
+                let last = match end.and_then(|end| self.parts(at + 1, end).first().copied()) {
+                    Some((first, last)) => self.words(first, last),
                     None => self.token(at + 1).map_or("…", |token| self.slice(token)),
                 };
                 let help = format!("write `FOR {range} TO {last} DO`");
