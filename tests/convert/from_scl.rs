@@ -161,7 +161,21 @@ fn comments_stay_in_their_branch() {
         "L     2",
         "_001: NOP   0",
     ];
-    let mut rest = text.as_str();
+    are_in_order(&text, &lines);
+}
+
+#[test]
+fn comments_stay_in_an_else_without_statements() {
+    let source = "FUNCTION FC 1 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nBEGIN\nIF x > 5 THEN\n // high\n FC1 := 1;\n\
+                  ELSE\n // low\n ;\nEND_IF;\nEND_FUNCTION\n";
+    let (messages, text) = converted(source);
+    assert_eq!(messages, []);
+    let lines = ["JCN   _002", "// high", "L     1", "JU    _001", "_002: NOP   0", "// low", "_001: NOP   0"];
+    are_in_order(&text, &lines);
+}
+
+fn are_in_order(text: &str, lines: &[&str]) {
+    let mut rest = text;
     for line in lines {
         let at = rest.find(line);
         assert!(at.is_some(), "`{line}` is not where it belongs:\n{text}");

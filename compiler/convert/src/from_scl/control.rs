@@ -150,8 +150,11 @@ impl Maker<'_> {
     fn branches(&mut self, branches: &[(Expr, Vec<Statement>)], otherwise: &[Statement], statement: &Statement) {
         let parts = self.positions.compound(statement.span.start);
         let end = self.new_label();
+        // What the comments of an ELSE say, such as assertions, does not hold for the branch before it.
+        let has_comments = parts.bodies.last().is_some_and(|from| self.positions.has_comment(*from, parts.end));
+        let has_otherwise = has_comments || !otherwise.is_empty();
         for (at, (condition, body)) in branches.iter().enumerate() {
-            let is_last = at + 1 == branches.len() && otherwise.is_empty();
+            let is_last = at + 1 == branches.len() && !has_otherwise;
             let next = if is_last { end.clone() } else { self.new_label() };
             self.span = condition.span;
             self.condition(condition);
