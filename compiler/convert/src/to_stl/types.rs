@@ -244,8 +244,9 @@ impl<'a> Types<'a> {
         {
             return self.part(ty, parts);
         }
-        let variable = variables.iter().find(|variable| variable.name.eq_ignore_ascii_case(name))?;
-        self.part(&variable.ty, parts)
+        let variable = variables.iter().find(|variable| variable.name.eq_ignore_ascii_case(name));
+        let constant = || block.constants.iter().find(|constant| constant.name.eq_ignore_ascii_case(name))?.ty.as_ref();
+        self.part(variable.map(|variable| &variable.ty).or_else(constant)?, parts)
     }
 
     /// How a variable is declared, or a component.

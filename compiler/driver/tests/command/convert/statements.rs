@@ -230,3 +230,20 @@ END_FUNCTION
     let body = |text: &str| text.split("BEGIN").nth(1).map(str::to_string);
     assert_eq!(body(&back), body(source), "{back}");
 }
+
+/// A constant of a block has a type, so the message is about the constant and not about the type of the box.
+#[test]
+fn constants_of_blocks_are_refused_by_their_names() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK Own\n    VAR_INPUT\n        a : Int;\n    END_VAR\n    VAR_OUTPUT\n        r : Int;\n    END_VAR\n    \
+                  VAR CONSTANT\n        limit : Int := 20;\n    END_VAR\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
+                  RUNG wire#powerrail  Add{ SrcType := Int }( in1 := #a, in2 := #limit, out => #r )  END_RUNG\n    \
+                  END_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "--cpu", "s7-1500"]);
+    let said = text(&made.stderr);
+    assert_eq!(made.status.code(), Some(3), "{said}");
+    assert!(said.contains("STL of STEP 7 has no constants of a block: `limit`"), "{said}");
+    assert!(!said.contains("whose type is not in the sources"), "{said}");
+}
