@@ -21,7 +21,7 @@ pub type FindInstruction = fn(&str, &[&str]) -> Option<Vec<InstructionPin>>;
 /// What the sources of a program declare.
 #[derive(Default)]
 pub struct Types<'a> {
-    /// Types of symbols, by folded names.
+    /// Types of symbols and of constants of tag tables, by folded names.
     symbols: HashMap<String, Elementary>,
     data: HashMap<String, &'a [Variable]>,
     types: HashMap<String, &'a [Variable]>,
@@ -51,6 +51,12 @@ impl<'a> Types<'a> {
                 let (name, number) = (symbol.name.to_lowercase(), format!("{} {number}", prefix.letters()));
                 other_names.insert(number.clone(), name.clone());
                 other_names.insert(name, number);
+            }
+        }
+        // STL loads a constant as a variable of its type.
+        for constant in tables.iter().flat_map(|table| &table.constants) {
+            if let Some(ty) = elementary(&constant.ty) {
+                types.symbols.entry(constant.name.to_lowercase()).or_insert(ty);
             }
         }
         for block in units.flat_map(|unit| &unit.blocks) {

@@ -247,3 +247,25 @@ fn constants_of_blocks_are_refused_by_their_names() {
     assert!(said.contains("STL of STEP 7 has no constants of a block: `limit`"), "{said}");
     assert!(!said.contains("whose type is not in the sources"), "{said}");
 }
+
+/// Tag tables say the types of their constants, too.
+#[test]
+fn constants_of_tag_tables_have_types() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let table = r#"<?xml version="1.0" encoding="utf-8"?>
+<Document><Engineering version="V18" /><SW.Tags.PlcTagTable ID="0"><AttributeList><Name>Tags</Name></AttributeList><ObjectList>
+<SW.Tags.PlcUserConstant ID="1" CompositionName="UserConstants"><AttributeList>
+<DataTypeName>Int</DataTypeName><Name>HIGH</Name><Value>-5</Value>
+</AttributeList></SW.Tags.PlcUserConstant></ObjectList></SW.Tags.PlcTagTable></Document>
+"#;
+    let source = "ORGANIZATION_BLOCK Main\n    VAR_TEMP\n        i : Int;\n    END_VAR\n    { S7_Language := \"LAD\" }\n    \
+                  NETWORK\n        RUNG wire#powerrail  Add{ SrcType := Int }( in1 := \"HIGH\", in2 := 7, out => #i )  END_RUNG\n    \
+                  END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("Tags.xml"), table).expect("the folder can be written");
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "Tags.xml", "--to", "stl", "--cpu", "s7-1500", "-o", "made/"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let list = fs::read_to_string(folder.join("made/a.stl")).expect("it is written");
+    assert!(list.contains("L     \"HIGH\";\n      L     7;\n      +I;\n      T     #i;"), "{list}");
+}
