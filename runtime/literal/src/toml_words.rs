@@ -32,6 +32,9 @@ pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
     let offset = (0..=offset.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or_default();
     let start = text[..offset].rfind('\n').map_or(0, |at| at + 1);
     let end = text[offset..].find('\n').map_or(text.len(), |at| offset + at);
+    if let Some(wrong) = headings::of_equations(message, text, &text[start..end], end) {
+        return wrong;
+    }
     if let Some(wrong) = headings::list_of_a_table(message, &text[start..end]) {
         return wrong;
     }

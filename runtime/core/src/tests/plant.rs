@@ -151,6 +151,11 @@ fn what_is_wrong_in_a_plant_has_its_line() {
             "[plant.state]\nlevel = 1\n[[at]]\ncycle = 1\nexpect = { \"plant.levl\" = 1 }\n",
             "s.toml:5: plant.levl: the plant has no value `levl`; did you mean `level`?",
         ),
+        (
+            "[plant.equations]\nb = \"1 + 2\"\n",
+            "s.toml:1: `equations` is a list of texts, not a heading; write `equations = [\"b = 1 + 2\"]` below `[plant]`",
+        ),
+        ("[[plant.equations]]\nb = \"1 + 2\"\n", "s.toml:1: `equations` is a list of texts, not a heading"),
         ("[plant.write]\n\"Q0.0\" = \"1\"\n", "s.toml:2: `Q0.0` is not an input"),
         ("[plant.write]\n\"AI0 in V\" = \"1\"\n", "s.toml:2: the channel has the range 4..20 mA"),
         ("[plant]\nspeed = 1\n", "s.toml:2: `speed` is not a key here"),

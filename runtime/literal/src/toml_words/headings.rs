@@ -43,6 +43,23 @@ pub fn list_of_a_table(message: &str, line: &str) -> Option<Wrong> {
     Some(Wrong { title: format!("`{key}` is one table, not a list of them"), help })
 }
 
+/// `[plant.equations]` and `[[plant.equations]]`, where the equations are a list of texts. `end`: of the line of the heading.
+pub fn of_equations(message: &str, text: &str, line: &str, end: usize) -> Option<Wrong> {
+    let heading = line.trim().strip_prefix('[')?.trim_start_matches('[').split(']').next()?.trim();
+    if heading != "plant.equations" || !message.starts_with("invalid type: ") {
+        return None;
+    }
+    let below = text[end..].lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
+    let equation = match below.and_then(|line| line.split_once('=')) {
+        Some((name, value)) => format!("{} = {}", name.trim(), value.trim().trim_matches('"')),
+        None => "…".to_owned(),
+    };
+    Some(Wrong {
+        title: "`equations` is a list of texts, not a heading".to_owned(),
+        help: format!("write `equations = [\"{equation}\"]` below `[plant]`"),
+    })
+}
+
 /// A list without its `]`: another key follows in `line`. `before`: the text before it.
 pub fn open_list(message: &str, before: &str, line: &str) -> Option<Wrong> {
     let is_key = |key: &str| {
