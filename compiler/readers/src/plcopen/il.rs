@@ -13,6 +13,11 @@
 //!
 //! Jumps and labels become those of SCL. Where the result is used after a label, each path to the label puts it into a variable of the
 //! label. After CAL there is no current result: IEC 61131-3 leaves it undefined.
+//!
+//! - `lines`: the lines of the text; `labels`: jumps and labels; here: operators and calls.
+
+mod labels;
+mod lines;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -23,7 +28,9 @@ use roxmltree::Node;
 use super::interface::elements;
 use super::types::{self, Ty};
 use super::{Body, Reader, functions};
-use plcc_syntax::ast::{TypeKind, TypeRef};
+use labels::Merged;
+pub use lines::without_comments;
+use lines::{Line, lines, split};
 use plcc_syntax::scl::ast::{
     Argument, AssignOp, BinaryOp, Expr, ExprKind, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
@@ -52,14 +59,6 @@ const OTHER_WORDS: &[(&str, &str)] = &[
     ("BE BEU BEA", "RET"),
     ("BEC BEB", "RETC"),
 ];
-
-/// A line: its label, its operator and what follows.
-#[derive(Debug)]
-struct Line {
-    label: Option<Range<usize>>,
-    operator: Option<Range<usize>>,
-    operand: Range<usize>,
-}
 
 /// Reads the IL body of a POU.
 pub fn read(reader: &mut Reader, body: &mut Body, node: Node) -> Vec<Statement> {
@@ -118,13 +117,6 @@ struct Open {
     span: Span,
 }
 
-/// The result at a label: its variable, and the type of the result on the paths to the label.
-struct Merged {
-    name: String,
-    kind: Option<Ty>,
-    span: Span,
-}
-
 impl List<'_, '_, '_> {
     fn slice(&self, range: &Range<usize>) -> &str {
         self.text.get(range.start - self.start..range.end - self.start).unwrap_or_default()
@@ -149,100 +141,6 @@ impl List<'_, '_, '_> {
 
     fn push(&mut self, kind: StatementKind, span: Span) {
         self.statements.push(Statement { kind, span });
-    }
-
-    /// Declares a variable for each label after which the result is used.
-    fn merge_at_labels(&mut self, lines: &[Line]) {
-        let mut needed = false;
-        for line in lines.iter().rev() {
-            if line.operator.is_some() {
-                needed = !self.begins_anew(line);
-            }
-            let Some(label) = line.label.clone().filter(|_| needed) else { continue };
-            let (key, span) = (self.slice(&label).to_lowercase(), self.reader.span(label));
-            let ty = TypeRef { kind: TypeKind::Named("BOOL".to_string()), span };
-            let name = self.body.temporary_variable(ty, span);
-            self.merged.insert(key, Merged { name, kind: None, span });
-        }
-    }
-
-    /// Gives the variables of labels the types of the results on the paths to them.
-    fn declare_merged(&mut self) {
-        let mut merged: Vec<Merged> = std::mem::take(&mut self.merged).into_values().collect();
-        merged.sort_by_key(|merged| merged.span.start);
-        for Merged { name, kind, span } in merged {
-            let Some(word) = kind.as_ref().and_then(Ty::word) else {
-                let help = "store the result in a variable before each jump, and load it after the label";
-                self.refuse(span, "the type of the result at this label is not known", help);
-                continue;
-            };
-            let declared = self.body.temporary.iter_mut().find(|variable| variable.name == name);
-            if let Some(variable) = declared {
-                variable.ty.kind = TypeKind::Named(word);
-            }
-        }
-    }
-
-    /// The result goes to the variable of a label, if the label has one.
-    fn hand_over(&mut self, label: &str, value: Expr, span: Span) -> Option<Statement> {
-        let kind = self.kind.clone();
-        let merged = self.merged.get_mut(&label.to_lowercase())?;
-        // The wider of two types can hold both.
-        merged.kind = types::operation(BinaryOp::Add, merged.kind.as_ref(), kind.as_ref());
-        let name = Name { text: merged.name.clone(), form: NameForm::Local, span };
-        let target = Expr { kind: ExprKind::Name(name), span };
-        Some(Statement { kind: StatementKind::Assign { targets: vec![(target, AssignOp::Set)], value }, span })
-    }
-
-    fn label(&mut self, label: &Range<usize>) {
-        let span = self.reader.span(label.clone());
-        let text = self.slice(label).to_string();
-        let merged = self.merged.get(&text.to_lowercase()).map(|merged| merged.name.clone());
-        if merged.is_some() && self.reached {
-            match self.result.take() {
-                Some(value) => {
-                    let statement = self.hand_over(&text, value, span);
-                    self.statements.extend(statement);
-                }
-                None => self.no_result(span),
-            }
-        }
-        self.push(StatementKind::Label(Name { text: text.clone(), form: NameForm::Bare, span }), span);
-        self.reached = true;
-        self.kind = self.merged.get(&text.to_lowercase()).and_then(|merged| merged.kind.clone());
-        self.result = merged.map(|text| {
-            let name = Name { text, form: NameForm::Local, span };
-            Expr { kind: ExprKind::Name(name), span }
-        });
-    }
-
-    /// `JMP L`, `JMPC L`, `JMPCN L`
-    fn jump(&mut self, line: &Line, word: &str, kept: bool, span: Span) {
-        let label = line.operand.clone();
-        let text = self.slice(&label).trim().to_string();
-        if text.is_empty() {
-            return self.refuse(span, "a jump without a label", "write the label after it");
-        }
-        let needed = self.merged.contains_key(&text.to_lowercase());
-        let name = Name { text: text.clone(), form: NameForm::Bare, span: self.reader.span(label) };
-        let goto = StatementKind::Goto(name);
-        if word == "JMP" {
-            if needed && let Some(value) = self.taken(span) {
-                let statement = self.hand_over(&text, value, span);
-                self.statements.extend(statement);
-            }
-            self.push(goto, span);
-            self.result = None;
-            self.reached = false;
-            return;
-        }
-        let Some(condition) = self.condition(false, kept || needed, span) else { return };
-        let mut body = Vec::new();
-        if needed {
-            body.extend(self.hand_over(&text, condition.clone(), span));
-        }
-        body.push(Statement { kind: goto, span });
-        self.when(negated(condition, word == "JMPCN"), body, span);
     }
 
     /// `kept`: the result is needed after this line, too.
@@ -505,117 +403,4 @@ fn binary(word: &str) -> Option<(BinaryOp, bool)> {
         "LT" => (BinaryOp::Less, false),
         _ => return None,
     })
-}
-
-/// The text with blanks in place of comments.
-pub fn without_comments(text: &str) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    let mut at = 0;
-    while at < bytes.len() {
-        let rest = &bytes[at..];
-        let end = |close: &[u8]| {
-            rest.windows(close.len())
-                .skip(2)
-                .position(|part| part == close)
-                .map_or(rest.len(), |at| at + 2 + close.len())
-        };
-        let (length, is_comment) = if rest.starts_with(b"(*") {
-            (end(b"*)"), true)
-        } else if rest.starts_with(b"//") {
-            (rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len()), true)
-        } else if rest[0] == b'\'' {
-            (rest[1..].iter().position(|byte| matches!(byte, b'\'' | b'\n')).map_or(rest.len(), |at| at + 2), false)
-        } else {
-            (1, false)
-        };
-        if is_comment {
-            bytes[at..at + length].iter_mut().filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
-        }
-        at += length.max(1);
-    }
-    String::from_utf8(bytes).unwrap_or_else(|_| text.to_string())
-}
-
-/// Parts between commas outside parentheses.
-fn split(text: &str, start: usize) -> Vec<Range<usize>> {
-    let mut parts = Vec::new();
-    let (mut depth, mut begin) = (0i32, 0);
-    for (at, c) in text.char_indices().chain([(text.len(), ',')]) {
-        match c {
-            '(' | '[' => depth += 1,
-            ')' | ']' => depth -= 1,
-            ',' if depth <= 0 => {
-                if !text[begin..at].trim().is_empty() {
-                    parts.push(start + begin..start + at);
-                }
-                begin = at + 1;
-            }
-            _ => {}
-        }
-    }
-    parts
-}
-
-/// The lines of a text; a list of parameters may extend over several.
-fn lines(text: &str, start: usize) -> Vec<Line> {
-    let mut found = Vec::new();
-    let mut at = 0;
-    while at < text.len() {
-        let mut end = text[at..].find('\n').map_or(text.len(), |length| at + length);
-        let mut line = read_line(&text[at..end]);
-        // `CAL Timer(` and functions with formals continue until their parenthesis is closed.
-        let joins = line.operator.clone().is_some_and(|range| {
-            let word = text[at + range.start..at + range.end].to_ascii_uppercase();
-            word.starts_with("CAL") || !is_operator(&word)
-        });
-        while joins && depth(&text[at..end]) > 0 && end < text.len() {
-            end = text[end + 1..].find('\n').map_or(text.len(), |length| end + 1 + length);
-            line = read_line(&text[at..end]);
-        }
-        let moved = |range: Range<usize>| start + at + range.start..start + at + range.end;
-        if line.label.is_some() || line.operator.is_some() {
-            found.push(Line {
-                label: line.label.map(moved),
-                operator: line.operator.map(moved),
-                operand: moved(line.operand),
-            });
-        }
-        at = end + 1;
-    }
-    found
-}
-
-fn is_operator(word: &str) -> bool {
-    binary(word).is_some() || matches!(word, "LD" | "LDN" | "ST" | "STN" | "S" | "R" | "NOT" | ")" | "RET")
-}
-
-fn depth(text: &str) -> i32 {
-    text.chars().fold(0, |depth, c| depth + i32::from(c == '(') - i32::from(c == ')'))
-}
-
-fn read_line(text: &str) -> Line {
-    let skip = |at: usize| at + text[at..].len() - text[at..].trim_start().len();
-    let word = |at: usize| at + text[at..].find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len() - at);
-    let mut at = skip(0);
-    let mut label = None;
-    let end = word(at);
-    let colon = skip(end);
-    if end > at && text[colon..].starts_with(':') && !text[colon..].starts_with(":=") {
-        label = Some(at..end);
-        at = skip(colon + 1);
-    }
-    let end = match text[at..].chars().next() {
-        Some(')') => at + 1,
-        Some('&') => at + 1 + usize::from(text[at + 1..].starts_with(['N', 'n'])),
-        _ => word(at).max(at),
-    };
-    if end == at {
-        // The reader of expressions reports text that is not an operator.
-        let rest = text[at..].trim_end().len();
-        let operator = (rest > 0).then_some(at..at + rest);
-        return Line { label, operator, operand: at + rest..at + rest };
-    }
-    let from = skip(end).min(text.len());
-    let operand = from..from + text[from..].trim_end().len();
-    Line { label, operator: Some(at..end), operand }
 }
