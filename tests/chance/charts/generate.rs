@@ -10,7 +10,7 @@ use super::chart::{
     Action, Area, Bit, Chart, Coil, Condition, Event, Input, Interface, Order, Permanent, Row, Step, StepBit, Time,
     Transition, TransitionBit,
 };
-use super::model::Inputs;
+use super::memory::Inputs;
 use super::text::{COUNTERS, TIMERS};
 
 /// One cycle of OB 1.

@@ -1,7 +1,8 @@
 //! The traces of the reference, H.1 and H.2, compared with the model.
 
 use super::chart::{Action, Area, Bit, Chart, Condition, Order, Row, Step, Time, Transition};
-use super::model::{Inputs, Memory, Model};
+use super::memory::{Inputs, Memory};
+use super::model::Model;
 
 fn bit(area: Area, byte: u8, bit: u8) -> Bit {
     Bit { area, byte, bit }

@@ -3,9 +3,11 @@
 mod chart;
 mod generate;
 mod golden;
+mod memory;
 mod model;
 mod reduce;
 mod run;
+mod state;
 mod text;
 
 use plcc_tests::passes_of;

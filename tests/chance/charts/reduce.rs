@@ -4,7 +4,7 @@ use plcc_tests::reduce::{self, Best};
 
 use super::chart::{Action, Chart, Condition};
 use super::generate::Case;
-use super::model::Inputs;
+use super::memory::Inputs;
 use super::run::{self, FORMS, Failure};
 
 /// A small case that fails as `case` does, with its failure.

@@ -17,7 +17,8 @@ use plcc_runtime::io::Simulated;
 
 use super::chart::Chart;
 use super::generate::{Call, Case};
-use super::model::{Memory, Model};
+use super::memory::Memory;
+use super::model::Model;
 use super::text::{self, Watch};
 
 /// Nanoseconds of host time for a cycle.

@@ -7,7 +7,8 @@ use super::chart::{
     TransitionBit,
 };
 use super::generate::Call;
-use super::model::{Memory, Model};
+use super::memory::Memory;
+use super::model::Model;
 
 /// OB 1 calls the block while this byte of bit memory is 0.
 pub const PAUSE: u8 = 196;
