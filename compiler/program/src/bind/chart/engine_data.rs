@@ -1,4 +1,9 @@
-//! The data that the statements of a chart use: where it is, the engine's own variables, sets of steps.
+//! The data that the statements of a chart use: where it is, and the engine's own variables.
+//!
+//! `set`: sets of steps; `times`: times of steps.
+
+mod set;
+mod times;
 
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
@@ -6,8 +11,7 @@ use plcc_syntax::chart::ast::{Body as Chart, Dialect, Event};
 use rustc_hash::FxHashMap;
 
 use super::alone::RawStep;
-use super::assemble::{Features, Parts};
-use super::build::{assign, element, if_then, load, number, part_of_element};
+use super::build::{assign, load, number};
 use super::index::Index;
 use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::BoundInterface;
@@ -17,8 +21,10 @@ use crate::bind::scl::expression::{binary_expr, constant_expr};
 use crate::bind::trees::chart_data::{Members, TIA_DATA, words};
 use plcc_binding::fold;
 use plcc_model::layout;
-use plcc_model::scl::{Access, BinaryOp, CompareOp, Conversion, Expr, ExprKind, Statement, StatementKind, UnaryOp};
+use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, UnaryOp};
 use plcc_model::types::{ArrayType, DataType, Member, StructType};
+use set::Set;
+pub use times::SIGNS;
 
 /// A chart while it is bound.
 pub struct Engine<'c> {
@@ -39,13 +45,6 @@ pub struct Engine<'c> {
     /// The position of code that the engine adds, in messages at run time.
     pub span: Span,
 }
-
-/// A set of steps; a word is omitted if nothing uses its steps.
-#[derive(Clone)]
-pub struct Set(Vec<Option<Variable>>);
-
-/// The signs of T and U of a step in one number.
-pub const SIGNS: u64 = 0x8000_0000_8000_0000;
 
 /// Variables of the engine in the frame, as `engine.scl` declares them.
 const BITS: &[&str] = &[
@@ -319,277 +318,6 @@ impl<'c> Engine<'c> {
     /// Whether a supervision fault of a step is pending.
     pub fn faulty(&self, step: usize, span: Span) -> Expr {
         load(&self.component(step, "VA"), span)
-    }
-
-    /// Whether a step is active, from the set.
-    pub fn is_active(&self, steps: &[usize], span: Span) -> Expr {
-        self.active.holds_all(steps, span)
-    }
-
-    /// Adds a step to the active steps or removes it.
-    pub fn set_active(&self, step: usize, add: bool, span: Span) -> Option<Statement> {
-        if add { self.active.add(step, span) } else { self.active.remove(step, span) }
-    }
-
-    /// Removes from the sets what nothing uses: whether a step is left matters for competing joins and for OFF, whether it is
-    /// entered matters where several transitions enter it.
-    pub fn restrict_sets(&mut self, features: &Features, parts: &Parts, competing: &[usize]) {
-        let steps = 0..self.steps.len();
-        let left = competing.iter().flat_map(|at| &parts.from[*at]).copied();
-        let mut ways = vec![0; self.steps.len()];
-        parts.to.iter().flatten().for_each(|step| ways[*step] += 1);
-        self.left.restrict(steps.clone().filter(|_| features.requests).chain(left));
-        self.entered.restrict(steps.clone().filter(|step| features.skipping || ways[*step] > 1));
-        self.passed.restrict(steps.filter(|_| features.skipping));
-    }
-
-    /// Empties the sets of the call.
-    pub fn begin_sets(&self) -> Vec<Statement> {
-        let zero = |variable: &Variable| assign(variable, number(0, Elementary::Ulint, self.span), self.span);
-        [&self.left, &self.entered, &self.passed].iter().flat_map(|set| set.0.iter().flatten()).map(zero).collect()
-    }
-
-    /// Adds step `k`, known at run time, to the active steps or removes it.
-    pub fn change_active(&self, add: bool) -> Vec<Statement> {
-        self.by_word(&|word, bit| {
-            let Some(variable) = &self.active.0[word] else { return Vec::new() };
-            let before = load(variable, self.span);
-            let after = match add {
-                true => binary_expr(BinaryOp::Or, before, bit, Elementary::Ulint, self.span),
-                false => binary_expr(BinaryOp::And, before, not(bit), Elementary::Ulint, self.span),
-            };
-            vec![assign(variable, after, self.span)]
-        })
-    }
-
-    /// Adds step `k`, known at run time, to a set.
-    pub fn mark(&self, set: &Set) -> Vec<Statement> {
-        self.by_word(&|word, bit| {
-            let Some(variable) = &set.0[word] else { return Vec::new() };
-            let after = binary_expr(BinaryOp::Or, load(variable, self.span), bit, Elementary::Ulint, self.span);
-            vec![assign(variable, after, self.span)]
-        })
-    }
-
-    /// Puts a step into the next place of S1X, and into the set of entered steps.
-    pub fn replace(&self, step: usize, span: Span) -> Vec<Statement> {
-        let place = self.variable("i");
-        let before = binary_expr(
-            BinaryOp::Subtract,
-            load(place, span),
-            number(1, Elementary::Dint, span),
-            Elementary::Dint,
-            span,
-        );
-        let target = element(self.variable("S1X"), load(place, span), span);
-        let value = number(step as u64 + 1, Elementary::Byte, span);
-        let mut statements = vec![
-            assign(self.variable("replaced"), number(1, Elementary::Bool, span), span),
-            assign(place, before, span),
-            Statement { kind: StatementKind::Assign { target, value }, span },
-        ];
-        statements.extend(self.entered.add(step, span));
-        statements
-    }
-
-    /// Sets `known` to whether step `k`, known at run time, is in a set; FALSE for steps without a word in the set.
-    pub fn look_up(&self, set: &Set) -> Vec<Statement> {
-        self.by_word(&|word, bit| {
-            let known = match &set.0[word] {
-                Some(variable) => {
-                    let both = binary_expr(BinaryOp::And, load(variable, self.span), bit, Elementary::Ulint, self.span);
-                    compared(CompareOp::NotEqual, both, 0)
-                }
-                None => number(0, Elementary::Bool, self.span),
-            };
-            vec![assign(self.variable("known"), known, self.span)]
-        })
-    }
-
-    /// Statements for the word that contains step `k`, and its bit there.
-    fn by_word(&self, make: &dyn Fn(usize, Expr) -> Vec<Statement>) -> Vec<Statement> {
-        let step = || self.value("k");
-        let mut statements = Vec::new();
-        for word in (0..self.active.0.len()).rev() {
-            let one = number(1, Elementary::Ulint, self.span);
-            let first = 64 * word as u64 + 1;
-            let place = binary_expr(
-                BinaryOp::Subtract,
-                step(),
-                number(first, Elementary::Dint, self.span),
-                Elementary::Dint,
-                self.span,
-            );
-            let bit = binary_expr(BinaryOp::ShiftLeft, one, place, Elementary::Ulint, self.span);
-            let own = make(word, bit);
-            statements = match word + 1 == self.active.0.len() {
-                true => own,
-                false => vec![if_then(
-                    compared(CompareOp::LessEqual, step(), 64 * (word as u64 + 1)),
-                    own,
-                    statements,
-                    self.span,
-                )],
-            };
-        }
-        statements
-    }
-
-    /// `step`: the time that has passed, once for T and once for U.
-    pub fn make_pair(&self) -> Vec<Statement> {
-        let passed = || self.widened(self.value("passed"));
-        let high = self.both(BinaryOp::ShiftLeft, passed(), self.places(32));
-        vec![assign(self.variable("step"), self.both(BinaryOp::Or, high, passed()), self.span)]
-    }
-
-    /// The same of the time since `LAST`, of which 31 bits count. Only shifts cut it: a mask would be computed again in each pass of a loop, and all
-    /// that depends on it.
-    pub fn make_pair_since(&self) -> Vec<Statement> {
-        let step = self.variable("step");
-        let (now, last) = (self.value("now"), self.value("LAST"));
-        let passed = self.widened(binary_expr(BinaryOp::Subtract, now, last, Elementary::Dint, self.span));
-        let high = self.both(BinaryOp::ShiftLeft, passed, self.places(33));
-        let high = self.both(BinaryOp::ShiftRight, high, self.places(1));
-        let low = self.both(BinaryOp::ShiftRight, self.value("step"), self.places(32));
-        let both = self.both(BinaryOp::Or, self.value("step"), low);
-        vec![assign(step, high, self.span), assign(step, both, self.span)]
-    }
-
-    /// `passed`, of `step`.
-    pub fn passed_of_pair(&self) -> Statement {
-        let passed = self.bits(self.bits(self.value("step"), Elementary::Dword), Elementary::Dint);
-        assign(self.variable("passed"), passed, self.span)
-    }
-
-    /// A DINT as a number of 64 bits, by way of a bit string, so that the upper half is 0.
-    fn widened(&self, value: Expr) -> Expr {
-        self.bits(self.bits(value, Elementary::Dword), Elementary::Ulint)
-    }
-
-    fn bits(&self, operand: Expr, ty: Elementary) -> Expr {
-        let conversion = Conversion::Bits { checked: false };
-        Expr { kind: ExprKind::Convert { conversion, operand: Box::new(operand) }, ty, span: self.span }
-    }
-
-    fn places(&self, count: u64) -> Expr {
-        number(count, Elementary::Dint, self.span)
-    }
-
-    /// `both`: T and U of step `k`; `later`: with the time that has passed; `known`: neither is or becomes negative, and U does not stand still.
-    pub fn add_pair(&self) -> Vec<Statement> {
-        const LA_AND_VA: u64 = 6;
-        let loaded = |access: Access, ty| Expr { kind: ExprKind::Load(Box::new(access)), ty, span: self.span };
-        let old = loaded(self.times(), Elementary::Ulint);
-        let later = self.both(BinaryOp::Add, self.value("both"), self.value("step"));
-        let signs = self.both(BinaryOp::Or, self.value("both"), self.value("later"));
-        let signs = self.both(BinaryOp::And, signs, number(SIGNS, Elementary::Ulint, self.span));
-        let states = part_of_element(self.variable("RAW"), 1, Elementary::Byte, self.value("k"), self.span);
-        let states = self.bits(loaded(states, Elementary::Byte), Elementary::Ulint);
-        let stops = self.both(BinaryOp::And, states, number(LA_AND_VA, Elementary::Ulint, self.span));
-        let obstacles = self.both(BinaryOp::Or, signs, stops);
-        vec![
-            assign(self.variable("both"), old, self.span),
-            assign(self.variable("later"), later, self.span),
-            assign(self.variable("known"), compared(CompareOp::Equal, obstacles, 0), self.span),
-        ]
-    }
-
-    /// `later`: T and U in `both` with the time that has passed, each for itself. What would be negative stays at the end.
-    pub fn count_separately(&self) -> Vec<Statement> {
-        const UPPER: u64 = 0xFFFF_FFFF_0000_0000;
-        let value = |name: &str| self.value(name);
-        let and = |value: Expr, mask: u64| self.both(BinaryOp::And, value, number(mask, Elementary::Ulint, self.span));
-        let put = |name: &str, value: Expr| assign(self.variable(name), value, self.span);
-        let lower = and(self.both(BinaryOp::Add, value("both"), value("step")), !UPPER);
-        let upper = self.both(BinaryOp::Add, and(value("both"), UPPER), and(value("step"), UPPER));
-        let sign_bits = self.both(BinaryOp::ShiftRight, value("both"), self.places(31));
-        let ends = self.both(BinaryOp::Subtract, value("both"), sign_bits);
-        vec![
-            put("later", self.both(BinaryOp::Or, upper, lower)),
-            put("both", and(value("later"), SIGNS)),
-            put("later", and(self.both(BinaryOp::Or, value("later"), ends), !SIGNS)),
-        ]
-    }
-
-    /// Stores `later` as T and U of step `k`.
-    pub fn put_pair(&self) -> Vec<Statement> {
-        let kind = StatementKind::Assign { target: self.times(), value: self.value("later") };
-        vec![Statement { kind, span: self.span }]
-    }
-
-    /// T and U of step `k`, which are next to each other, as a number of 64 bits.
-    fn times(&self) -> Access {
-        part_of_element(self.variable("RAW"), 4, Elementary::Ulint, self.value("k"), self.span)
-    }
-
-    fn both(&self, op: BinaryOp, left: Expr, right: Expr) -> Expr {
-        binary_expr(op, left, right, Elementary::Ulint, self.span)
-    }
-
-    /// Appends a step to S0X or S1X and to its set.
-    pub fn append(&self, set: &Set, list: &str, count: &str, step: usize, span: Span) -> Vec<Statement> {
-        let count = self.variable(count);
-        let more =
-            binary_expr(BinaryOp::Add, load(count, span), number(1, Elementary::Dint, span), Elementary::Dint, span);
-        let place = element(self.variable(list), load(count, span), span);
-        let value = number(step as u64 + 1, Elementary::Byte, span);
-        let put = Statement { kind: StatementKind::Assign { target: place, value }, span };
-        [assign(count, more, span), put].into_iter().chain(set.add(step, span)).collect()
-    }
-}
-
-impl Set {
-    fn word_of(step: usize) -> (usize, u64) {
-        (step / 64, 1 << (step % 64))
-    }
-
-    /// Omits words that contain none of these steps: nothing uses them.
-    pub fn restrict(&mut self, steps: impl Iterator<Item = usize>) {
-        let mut needed = vec![false; self.0.len()];
-        steps.for_each(|step| needed[Set::word_of(step).0] = true);
-        self.0.iter_mut().zip(needed).filter(|(_, needed)| !needed).for_each(|(word, _)| *word = None);
-    }
-
-    /// Puts a step into the set.
-    pub fn add(&self, step: usize, span: Span) -> Option<Statement> {
-        let (word, bit) = Set::word_of(step);
-        let variable = self.0[word].as_ref()?;
-        let bit = number(bit, Elementary::Ulint, span);
-        let after = binary_expr(BinaryOp::Or, load(variable, span), bit, Elementary::Ulint, span);
-        Some(assign(variable, after, span))
-    }
-
-    /// Takes a step out of the set.
-    pub fn remove(&self, step: usize, span: Span) -> Option<Statement> {
-        let (word, bit) = Set::word_of(step);
-        let variable = self.0[word].as_ref()?;
-        let rest = number(!bit, Elementary::Ulint, span);
-        let after = binary_expr(BinaryOp::And, load(variable, span), rest, Elementary::Ulint, span);
-        Some(assign(variable, after, span))
-    }
-
-    /// All of these steps are in the set: one comparison per word.
-    fn holds_all(&self, steps: &[usize], span: Span) -> Expr {
-        let compared = self.masks(steps, span).map(|(masked, mask)| compared(CompareOp::Equal, masked, mask));
-        all(compared, span)
-    }
-
-    /// None of these steps is in the set.
-    pub fn holds_none(&self, steps: &[usize], span: Span) -> Expr {
-        let compared = self.masks(steps, span).map(|(masked, _)| compared(CompareOp::Equal, masked, 0));
-        all(compared, span)
-    }
-
-    fn masks(&self, steps: &[usize], span: Span) -> impl Iterator<Item = (Expr, u64)> {
-        let mut masks = vec![0u64; self.0.len()];
-        for &step in steps {
-            let (word, bit) = Set::word_of(step);
-            masks[word] |= bit;
-        }
-        self.0.iter().zip(masks).filter(|(_, mask)| *mask != 0).filter_map(move |(word, mask)| {
-            let mask_value = number(mask, Elementary::Ulint, span);
-            Some((binary_expr(BinaryOp::And, load(word.as_ref()?, span), mask_value, Elementary::Ulint, span), mask))
-        })
     }
 }
 
