@@ -11,63 +11,31 @@
 //!
 //! A text of a formal parameter has no declared maximum: then its head says it, and must agree with what exists there. Which texts share memory
 //! is known at compile time, one variable that is changed in place or texts apart; or a test finds that they are apart.
+//!
+//! `texts`: where texts are and how long they are; `write`: writes results, and copies; here: what the functions do.
 
-use plcc_abi::text::{PLUS, ROOM_MAX, Rules};
+mod texts;
+mod write;
+
+use plcc_abi::text::{PLUS, Rules};
 use plcc_abi::{RuntimeFn, Type};
-use plcc_ir::{Address, BinaryOp, Block, IntCc, Region, UnaryOp, Value};
+use plcc_ir::{BinaryOp, Block, IntCc, UnaryOp, Value};
 use plcc_model::CodeBlock;
 
 use super::text::{TextOperand, TextResult};
 use super::text_compare::compares_at_once;
 use super::text_words::WORD;
 use crate::block::BlockLowering;
-use crate::pointer::moved;
-use crate::scl::OwnText;
-use crate::scl::text::TextPlace;
+use texts::{Places, Text, places};
+use write::Part;
+pub use write::declared_of;
 
 /// Bytes before the characters.
 pub(super) const HEAD_BYTES: u32 = 2;
 /// Longest constant that is searched.
 const SOUGHT_MAX: usize = 4;
-/// Lengths have no other bits.
-const ROOM_MAX_BITS: i64 = 0xFF;
 /// `kind` of a number as INT and as DINT, see [`RuntimeFn::TextScan`].
 const KIND_INT: u64 = 2;
-
-/// Where two texts are.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Places {
-    /// At one address, with one declared maximum.
-    Same,
-    /// They share no byte.
-    Apart,
-    Unknown,
-}
-
-/// A text whose head is as declared.
-struct Text<'t> {
-    /// Its first character.
-    start: Address,
-    /// An i32.
-    length: Value,
-    /// The declared maximum, an i32.
-    maximum: Value,
-    /// Neither length nor maximum is more.
-    most: u32,
-    characters: Option<&'t [u8]>,
-    /// It may be the one that is written; an i1 says whether it is.
-    is_out: Option<Value>,
-    own: Option<OwnText>,
-}
-
-/// Characters that become part of a result.
-struct Part<'t> {
-    text: &'t Text<'t>,
-    /// Characters before it, an i32.
-    skipped: Value,
-    /// An i32.
-    count: Value,
-}
 
 /// What a function leaves.
 struct Done {
@@ -289,193 +257,6 @@ impl BlockLowering<'_, '_> {
         }
     }
 
-    /// Copies a text as an assignment does, where heads are as declared and it fits. Then all goes on at the result, and what is lowered next does
-    /// the rest. `None`: the compiler does not know enough, nothing is lowered.
-    pub fn copy_text_shortly(&mut self, to: TextPlace, from: TextPlace) -> Option<Block> {
-        if self.scl.by_runtime || [to, from].iter().any(|text| text.formal.is_none() && declared_of(text) == 0) {
-            return None;
-        }
-        let [to_declared, from_declared] = [to, from].map(|text| declared_of(&text));
-        let is_result = |text: TextPlace| text.formal.is_some_and(|formal| formal.is_room());
-        let places = match is_result(to) == is_result(from) {
-            true => apart((to.addr, to_declared), (from.addr, from_declared)),
-            false => Places::Apart,
-        };
-        if places == Places::Same {
-            return None;
-        }
-        let (call, end) = (self.b.create_cold_block(), self.b.create_block());
-        let (length, from_maximum) = self.text_to_copy(from, true, call);
-        let (_, to_maximum) = self.text_to_copy(to, false, call);
-        let may_meet = from.formal.is_some() || to.formal.is_some();
-        if places == Places::Unknown || may_meet && is_result(to) == is_result(from) {
-            let addresses = [to.addr, from.addr].map(|addr| self.b.address_of(addr));
-            let apart = self.are_apart(addresses, [to_maximum, from_maximum]);
-            self.require(apart, call);
-        }
-        if to_declared == 0 || from_declared == 0 || to_declared < from_declared {
-            let fits = self.b.icmp(IntCc::Ule, length, to_maximum);
-            self.require(fits, call);
-        }
-        let most = [to_declared, from_declared].into_iter().filter(|&declared| declared != 0).min();
-        let most = most.map_or(ROOM_MAX, u32::from);
-        let room = (most >= WORD).then(|| self.smaller(to_maximum, from_maximum));
-        self.copy_apart(moved(to.addr, HEAD_BYTES), moved(from.addr, HEAD_BYTES), length, most, room);
-        if let Some(own) = self.own_text_at(&to) {
-            self.set_own_length(own, length);
-            self.b.jump(end, &[]);
-            self.b.seal_block(call);
-            self.b.switch_to(call);
-            return Some(end);
-        }
-        // As in `set_length`; the maximum in memory stays.
-        let most = self.b.load(Type::I8, to.addr);
-        let most = self.b.zext(Type::I32, most);
-        let most = self.b.binary_imm(BinaryOp::Shl, most, 8);
-        let head = self.b.or(most, length);
-        let head = self.b.trunc(Type::I16, head);
-        self.b.store(to.addr, head);
-        self.b.jump(end, &[]);
-        self.b.seal_block(call);
-        self.b.switch_to(call);
-        Some(end)
-    }
-
-    /// Length and maximum of a text that is copied; `is_read`: its length counts.
-    fn text_to_copy(&mut self, text: TextPlace, is_read: bool, call: Block) -> (Value, Value) {
-        let declared = declared_of(&text);
-        let maximum = self.b.i32_const(declared.into());
-        if let Some(own) = self.own_text_at(&text) {
-            return (self.own_length(own), maximum);
-        }
-        if text.formal.is_some() && declared != 0 {
-            let (ok, length) = self.head_as_declared(text.addr, declared);
-            self.require(ok, call);
-            return (length, maximum);
-        }
-        if let Some(formal) = text.formal {
-            let operand = self.formal_text(text.addr, formal);
-            let known = self.texts_are_known(std::slice::from_ref(&operand));
-            self.require(known, call);
-            let (ok, length, maximum) = self.head_as_found(&operand);
-            self.require(ok, call);
-            return (length, maximum);
-        }
-        if !is_read {
-            return (maximum, maximum);
-        }
-        let (ok, length) = self.head_as_declared(text.addr, declared);
-        self.require(ok, call);
-        (length, maximum)
-    }
-
-    /// The length that a text has at most.
-    pub(super) fn most(&self, text: &TextOperand) -> u32 {
-        match &text.characters {
-            Some(characters) => characters.len() as u32,
-            None if text.declared != 0 => text.longest.unwrap_or(text.declared.into()),
-            None => self.b.constant_bits(text.room).map_or(ROOM_MAX, |room| ROOM_MAX.min(room as u32)),
-        }
-    }
-
-    /// The heads of `operands`, each looked at once.
-    fn texts_as_declared<'t>(&mut self, operands: &'t [TextOperand], call: Block) -> Vec<Text<'t>> {
-        let mut texts: Vec<Text> = Vec::new();
-        let is_far = operands.last().is_some_and(|out| matches!(out.addr.region, Region::Any | Region::AnyDb));
-        for (index, operand) in operands.iter().enumerate() {
-            let start = moved(operand.addr, HEAD_BYTES);
-            let same = (0..index).find(|&other| places(&operands[other], operand) == Places::Same);
-            let most = self.most(operand);
-            let (length, maximum) = match (&operand.characters, same) {
-                (Some(_), _) => {
-                    let length = self.b.i32_const(most);
-                    (length, length)
-                }
-                (None, Some(other)) => (texts[other].length, texts[other].maximum),
-                (None, None) if let Some(own) = operand.own => {
-                    let length = self.own_length(own);
-                    // It may be out of sight how long the text is, and so how far from its begin what is written.
-                    let length = if is_far { self.b.binary_imm(BinaryOp::And, length, ROOM_MAX_BITS) } else { length };
-                    (length, self.b.i32_const(operand.declared.into()))
-                }
-                (None, None) if operand.declared == 0 => {
-                    let (ok, length, maximum) = self.head_as_found(operand);
-                    self.require(ok, call);
-                    (length, maximum)
-                }
-                (None, None) => {
-                    let (ok, length) = self.head_as_declared(operand.addr, operand.declared);
-                    self.require(ok, call);
-                    (length, self.b.i32_const(operand.declared.into()))
-                }
-            };
-            let characters = operand.characters.as_deref();
-            texts.push(Text { start, length, maximum, most, characters, is_out: None, own: operand.own });
-        }
-        texts
-    }
-
-    /// Of a text of which no maximum is declared: whether its head is right and all of it exists, and length and maximum then.
-    pub(super) fn head_as_found(&mut self, operand: &TextOperand) -> (Value, Value, Value) {
-        let head = self.b.load(Type::I16, operand.addr);
-        let head = self.b.zext(Type::I32, head);
-        let maximum = self.b.binary_imm(BinaryOp::Lshr, head, 8);
-        let length = self.b.binary_imm(BinaryOp::And, head, 0xFF);
-        // 0: it has not been set up.
-        let before = self.b.binary_imm(BinaryOp::Iadd, maximum, -1);
-        let exists = self.b.icmp(IntCc::Ult, before, operand.limit);
-        let right = self.b.icmp(IntCc::Ule, length, maximum);
-        (self.b.and(right, exists), length, maximum)
-    }
-
-    /// Of the texts of which the places are not known, none shares memory with the last one. The first may also be that one, where it does not
-    /// matter: its characters stay where they are or move to the front.
-    fn require_apart(&mut self, function: RuntimeFn, operands: &[TextOperand], texts: &mut [Text], call: Block) {
-        let (Some((out, inputs)), Some((written, read))) = (operands.split_last(), texts.split_last_mut()) else {
-            return;
-        };
-        let may_be_out = !matches!(function, RuntimeFn::TextInsert | RuntimeFn::TextReplace)
-            && inputs.iter().all(|text| places(text, out) != Places::Same);
-        for (index, (operand, text)) in inputs.iter().zip(read).enumerate() {
-            if places(operand, out) != Places::Unknown {
-                continue;
-            }
-            let mut ok = self.are_apart([out.address, operand.address], [written.maximum, text.maximum]);
-            if index == 0 && may_be_out {
-                let same = self.b.icmp(IntCc::Eq, out.address, operand.address);
-                text.is_out = Some(same);
-                ok = self.b.or(ok, same);
-            }
-            self.require(ok, call);
-        }
-    }
-
-    /// Whether two texts share no byte, an i1: by their addresses and maxima, i32 all.
-    fn are_apart(&mut self, [one, two]: [Value; 2], maxima: [Value; 2]) -> Value {
-        // From `two` to the last byte of the text there, and the same for `one`.
-        let [one_last, two_last] =
-            maxima.map(|maximum| self.b.binary_imm(BinaryOp::Iadd, maximum, i64::from(HEAD_BYTES) - 1));
-        let distance = self.b.isub(one, two);
-        let distance = self.b.iadd(distance, one_last);
-        let both = self.b.iadd(one_last, two_last);
-        self.b.icmp(IntCc::Ugt, distance, both)
-    }
-
-    /// Eight characters of the text exist, whatever its length is.
-    fn require_word(&mut self, text: &Text, call: Block) {
-        let exists = self.b.icmp_imm(IntCc::Uge, text.maximum, WORD.into());
-        self.require(exists, call);
-    }
-
-    /// Whether the head at `addr` is as declared, and the length then, an i32.
-    pub(super) fn head_as_declared(&mut self, addr: Address, declared: u8) -> (Value, Value) {
-        let head = self.b.load(Type::I16, addr);
-        let head = self.b.zext(Type::I32, head);
-        let declared = i64::from(declared);
-        let length = self.b.binary_imm(BinaryOp::Iadd, head, -(declared << 8));
-        (self.b.icmp_imm(IntCc::Ule, length, declared), length)
-    }
-
     /// Goes to `call` unless `cond`.
     pub fn require(&mut self, cond: Value, call: Block) {
         if self.b.constant_bits(cond) == Some(1) {
@@ -511,107 +292,6 @@ impl BlockLowering<'_, '_> {
     fn smaller(&mut self, one: Value, two: Value) -> Value {
         let less = self.b.icmp(IntCc::Slt, one, two);
         self.b.select(less, one, two)
-    }
-
-    /// Writes `parts` one after the other to `out`. Of those that are there already, one at most moves: what is before the others it moves
-    /// past is at its place, so it goes first.
-    fn put(&mut self, parts: &[Part], out: &Text, call: Block) {
-        let mut total = self.b.i32_const(0);
-        for part in parts {
-            total = self.b.iadd(total, part.count);
-        }
-        // Pieces of a text are together not longer than it; a whole text counts each time.
-        let (mut most, mut cut) = (0, Vec::new());
-        for part in parts {
-            let is_whole = part.count == part.text.length;
-            if is_whole || !cut.contains(&part.text.start) {
-                most += part.text.most;
-            }
-            if !is_whole {
-                cut.push(part.text.start);
-            }
-        }
-        let is_declared = self.b.constant_bits(out.maximum).is_some();
-        if !is_declared || most > out.most {
-            let fits = self.b.icmp(IntCc::Ule, total, out.maximum);
-            self.require(fits, call);
-        }
-        let mut written = self.b.i32_const(0);
-        let mut moves = Vec::new();
-        for part in parts {
-            let to = self.indexed(out.start, written);
-            let from = self.indexed(part.text.start, part.skipped);
-            if to != from {
-                moves.push((part, to, from, written));
-            }
-            written = self.b.iadd(written, part.count);
-        }
-        let in_place = |part: &Part| part.text.start == out.start;
-        let room = |lowering: &mut Self, part: &Part, written: Value| {
-            let skipped = lowering.b.constant_bits(part.skipped).unwrap_or(0);
-            let may_be = u64::from(part.text.most.min(out.most)) >= skipped + u64::from(WORD);
-            // After another part a word would be read of which the beginning has just been written.
-            if !may_be || lowering.b.constant_bits(written) != Some(0) {
-                return None;
-            }
-            let read = lowering.b.isub(part.text.maximum, part.skipped);
-            Some(lowering.smaller(read, out.maximum))
-        };
-        for &(part, to, from, written) in moves.iter().filter(|(part, ..)| in_place(part)) {
-            // Characters that are kept move on where others come before them, and back where some go; REPLACE may do either.
-            let kept_before = parts.iter().find(|other| in_place(other)).map(|first| first.count);
-            let nothing_goes = self.b.constant_bits(part.skipped) == Some(0) || kept_before == Some(part.skipped);
-            let room = room(self, part, written);
-            match (parts.iter().all(in_place), nothing_goes) {
-                (true, _) => self.copy_characters(to, from, part.count, out.most, room),
-                (false, true) => self.copy_from_end(to, from, part.count, out.most, room),
-                (false, false) => {
-                    let back = self.b.icmp(IntCc::Ule, written, part.skipped);
-                    self.move_characters(to, from, part.count, out.most, room, back);
-                }
-            }
-        }
-        for &(part, to, from, written) in moves.iter().filter(|(part, ..)| !in_place(part)) {
-            match self.known_characters(part).filter(|characters| characters.len() <= out.most as usize) {
-                Some(characters) => self.store_bytes(to, characters),
-                None => {
-                    let room = room(self, part, written);
-                    let end = part.text.is_out.filter(|_| part.text.start == from).map(|is_there| {
-                        let (copy, end) = (self.b.create_block(), self.b.create_block());
-                        self.b.branch(is_there, end, copy);
-                        self.b.seal_block(copy);
-                        self.b.switch_to(copy);
-                        end
-                    });
-                    self.copy_apart(to, from, part.count, part.text.most.min(out.most), room);
-                    if let Some(end) = end {
-                        self.b.jump(end, &[]);
-                        self.b.seal_block(end);
-                        self.b.switch_to(end);
-                    }
-                }
-            }
-        }
-        self.set_length(out, total);
-    }
-
-    /// The characters of a part that are known here.
-    fn known_characters<'t>(&self, part: &Part<'t>) -> Option<&'t [u8]> {
-        let constant = |value| self.b.constant_bits(value).and_then(|bits| usize::try_from(bits).ok());
-        let (skipped, count) = (constant(part.skipped)?, constant(part.count)?);
-        part.text.characters?.get(skipped..skipped.checked_add(count)?)
-    }
-
-    /// Writes both bytes of the head, the first as it is: a processor waits when it reads a word of which it has just written a part, and the
-    /// next function of the text reads the head.
-    fn set_length(&mut self, out: &Text, length: Value) {
-        if let Some(own) = out.own {
-            return self.set_own_length(own, length);
-        }
-        let maximum = self.b.binary_imm(BinaryOp::Shl, out.maximum, 8);
-        let head = self.b.or(length, maximum);
-        let head = self.b.trunc(Type::I16, head);
-        self.b.store(Address { offset: out.start.offset - HEAD_BYTES, ..out.start }, head);
     }
 
     /// FIND.
@@ -679,46 +359,4 @@ pub(super) fn writes_text(function: RuntimeFn) -> bool {
             | RuntimeFn::TextScan
             | RuntimeFn::TextToDint
     )
-}
-
-/// The declared maximum of a text that is copied; 0 if it is not known.
-pub fn declared_of(text: &TextPlace) -> u8 {
-    match text.formal {
-        Some(formal) => formal.declared(),
-        None => u8::try_from(text.maximum).unwrap_or(0),
-    }
-}
-
-fn places(one: &TextOperand, two: &TextOperand) -> Places {
-    if one.is_result != two.is_result {
-        return Places::Apart;
-    }
-    match (&one.characters, &two.characters) {
-        // Constants have a place of their own.
-        (Some(_), _) | (_, Some(_)) => Places::Apart,
-        (None, None) => apart((one.addr, one.declared), (two.addr, two.declared)),
-    }
-}
-
-/// Where two variables are, by their addresses and declared maxima.
-fn apart(one: (Address, u8), two: (Address, u8)) -> Places {
-    let ((a, a_declared), (b, b_declared)) = (one, two);
-    if a == b {
-        return if a_declared == b_declared { Places::Same } else { Places::Unknown };
-    }
-    let is_db = |region: Region| matches!(region, Region::Db(_) | Region::AnyDb);
-    let is_plain = |region: Region| is_db(region) || matches!(region, Region::I | Region::Q | Region::M | Region::L);
-    let most = |declared: u8| if declared == 0 { ROOM_MAX } else { declared.into() };
-    let end = |at: Address, declared: u8| at.offset + HEAD_BYTES + most(declared);
-    match () {
-        () if !is_plain(a.region) || !is_plain(b.region) => Places::Unknown,
-        // The data block of an instance may be any.
-        () if a.region != b.region && (a.region == Region::AnyDb || b.region == Region::AnyDb) => {
-            if is_db(a.region) && is_db(b.region) { Places::Unknown } else { Places::Apart }
-        }
-        () if a.region != b.region => Places::Apart,
-        () if a.base != b.base => Places::Unknown,
-        () if end(a, a_declared) <= b.offset || end(b, b_declared) <= a.offset => Places::Apart,
-        () => Places::Unknown,
-    }
 }
