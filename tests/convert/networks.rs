@@ -215,3 +215,16 @@ fn whole_files_are_converted() {
         assert!(made.blocks > 0 && made.refused.iter().all(is_known), "{name}: {:?}", made.refused);
     }
 }
+
+/// The output of a gate at a variable, while the flow goes on.
+#[test]
+fn gates_write_variables() {
+    let text = "//@ cpu s7-1500\nFUNCTION F : Void\n    VAR_INPUT\n        p, q : Bool;\n    END_VAR\n    VAR_OUTPUT\n        \
+                x, y : Bool;\n    END_VAR\n{ S7_Language := \"FBD\" }\nNETWORK\n    \
+                RUNG #p  A( in2 := NOT #q, out => #y )  Coil( #x )  END_RUNG\nEND_NETWORK\nEND_FUNCTION\n";
+    let made = as_stl(text, &[], &[], false);
+    assert_eq!(made.refused, Vec::<String>::new());
+    let at = |line: &str| made.stl.find(line).unwrap_or_else(|| panic!("no `{line}` in\n{}", made.stl));
+    let places = ["A     #p;", "AN    #q;", "=     #y;", "=     #x;"].map(at);
+    assert!(places.is_sorted(), "{}", made.stl);
+}

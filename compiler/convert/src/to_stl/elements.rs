@@ -241,7 +241,8 @@ impl Maker<'_> {
             }
             Kind::Instance(name) => self.instance_box(graph, plan, at, name, instance),
             Kind::TimerCoil(name) => self.timer_coil(graph, plan, at, name),
-            Kind::Compare(_) | Kind::Range { .. } | Kind::Valid { .. } => {
+            // A gate that has its output at a variable.
+            Kind::Gate(_) | Kind::Compare(_) | Kind::Range { .. } | Kind::Valid { .. } => {
                 let value = self.meaning(graph, plan, at);
                 self.evaluate(&value);
                 self.result(graph, plan, at, "out");
