@@ -228,3 +228,12 @@ fn gates_write_variables() {
     let places = ["A     #p;", "AN    #q;", "=     #y;", "=     #x;"].map(at);
     assert!(places.is_sorted(), "{}", made.stl);
 }
+
+/// The value of a function, by its name without a sign.
+#[test]
+fn values_of_functions_are_ret_val() {
+    let text = "//@ cpu s7-1500\nFUNCTION Passes : Bool\n    VAR_INPUT\n        a : Bool;\n    END_VAR\n{ S7_Language := \"LAD\" }\nNETWORK\n    \
+                RUNG wire#powerrail  Contact( #a )  Coil( Passes )  END_RUNG\nEND_NETWORK\nEND_FUNCTION\n";
+    let made = as_stl(text, &[], &[], false);
+    assert!(made.stl.contains("=     #RET_VAL;"), "{}", made.stl);
+}

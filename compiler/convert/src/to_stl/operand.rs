@@ -42,12 +42,12 @@ impl Maker<'_> {
             return None;
         }
         // In STL the value of a function is RET_VAL.
-        if let Some(Operand { kind: OperandKind::Path(Path { root: PathRoot::Local { name, .. }, .. }), .. }) =
-            &mut found
+        if let Some(Operand { kind: OperandKind::Path(Path { root, .. }), .. }) = &mut found
+            && let PathRoot::Local { name, span } | PathRoot::Bare { name, span } = &*root
             && self.block.return_type.is_some()
             && matches!(&self.block.name, BlockName::Symbol { name: own, .. } if own.eq_ignore_ascii_case(name))
         {
-            *name = "RET_VAL".to_string();
+            *root = PathRoot::Local { name: "RET_VAL".to_string(), span: *span };
         }
         found
     }
