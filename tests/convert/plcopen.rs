@@ -73,13 +73,15 @@ fn with_global_temps(text: &str) -> String {
     let Some(begin) = text[start..].find("VAR_TEMP").map(|at| start + at) else { return text.to_string() };
     let Some(end) = text[begin..].find("END_VAR").map(|at| begin + at) else { return text.to_string() };
     let declared = &text[begin + "VAR_TEMP".len()..end];
-    let mut rest = format!("{}{}", &text[..begin], &text[end + "END_VAR".len()..]);
+    let last = text[end..].find("END_ORGANIZATION_BLOCK").map_or(text.len(), |at| end + at);
+    let mut block = format!("{}{}", &text[start..begin], &text[end + "END_VAR".len()..last]);
     for name in declared.lines().filter_map(|line| line.split_once(':')).map(|(names, _)| names) {
         for name in name.split(',').map(str::trim).filter(|name| !name.is_empty()) {
-            rest = rest.replace(&format!("#{name}"), &format!("\"Temporary\".{name}"));
+            block = block.replace(&format!("#{name}"), &format!("\"Temporary\".{name}"));
         }
     }
-    format!("{rest}\nDATA_BLOCK \"Temporary\"\n    VAR\n{declared}    END_VAR\nEND_DATA_BLOCK\n")
+    let (before, after) = (&text[..start], &text[last..]);
+    format!("{before}{block}{after}\nDATA_BLOCK \"Temporary\"\n    VAR\n{declared}    END_VAR\nEND_DATA_BLOCK\n")
 }
 
 /// A source as a project: `None` if it has errors of its own, or what PLCopen XML cannot say; otherwise what its assertions say.
