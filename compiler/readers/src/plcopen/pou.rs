@@ -6,6 +6,7 @@ use std::ops::Range;
 use plcc_diag::{Code, Diagnostic, Span};
 use roxmltree::Node;
 
+use super::editor::Editor;
 use super::interface::{child, elements, flip_flop, plain_text};
 use super::objects::Kind;
 use super::scope::Scope;
@@ -90,7 +91,8 @@ impl<'a> Reader<'a> {
             let variables = std::mem::take(&mut body.temporary);
             sections.push(Section { kind: SectionKind::Temp, retain: Retain::Unsaid, variables, span });
         }
-        assign_start_values(&mut sections, &mut code, is_function);
+        let outputs_begin_anew = is_function && self.editor != Editor::Other;
+        assign_start_values(&mut sections, &mut code, outputs_begin_anew);
         let comment = child(pou, "documentation").map(plain_text).filter(|text| !text.is_empty());
         let header = Header { comment: comment.into_iter().collect(), ..Header::default() };
         let name = BlockName::Symbol { name: name.to_string(), span };
@@ -308,16 +310,16 @@ impl<'a> Reader<'a> {
 }
 
 /// Variables that live for one call have their start values in each call, so statements at the beginning assign them. Values of arrays and
-/// structures stay at the declaration, where they are reported. The same applies to outputs of functions in ST and IL, which are not those of
-/// the last call; one without a start value begins at 0.
-fn assign_start_values(sections: &mut [Section], code: &mut BlockCode, is_function: bool) {
+/// structures stay at the declaration, where they are reported. `outputs_begin_anew`: the same applies to outputs of functions in ST and IL; one
+/// without a start value begins at 0.
+fn assign_start_values(sections: &mut [Section], code: &mut BlockCode, outputs_begin_anew: bool) {
     if matches!(code, BlockCode::Stl(_) | BlockCode::Chart(_)) {
         return;
     }
-    let begins_at_zero = is_function && matches!(code, BlockCode::Scl(_));
+    let outputs_too = outputs_begin_anew && matches!(code, BlockCode::Scl(_));
     let mut statements = Vec::new();
     for section in sections {
-        let is_output = begins_at_zero && section.kind == SectionKind::Output;
+        let is_output = outputs_too && section.kind == SectionKind::Output;
         if !is_output && section.kind != SectionKind::Temp {
             continue;
         }
