@@ -27,7 +27,8 @@ fn run_through_networks(path: &Path, language: Language) -> Result<usize, String
     if has_errors(&messages) || ["//@ test", "STW", "ACCU"].iter().any(|word| text.contains(word)) {
         return Ok(0);
     }
-    let types = Types::new(std::iter::once(&unit), &[]);
+    // Parts of variables are of the TIA Portal.
+    let types = Types::new(std::iter::once(&unit), &[]).for_portal(text.contains(".%"));
     let mut drawn = 0;
     let mut blocks = unit.clone();
     for block in &mut blocks.blocks {

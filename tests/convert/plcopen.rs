@@ -149,6 +149,14 @@ fn project(folder: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Resul
     if parsed.units.iter().any(|(_, unit)| unit.s7200.is_some()) {
         return None;
     }
+    // In CODESYS and MATIEC, PT counts in each call, and F_TRIG has an edge in the first one. What plcc writes keeps the rules of the TIA Portal.
+    let exported = fs::read_to_string(folder.join("project.xml")).unwrap_or_default();
+    let has_own_rules =
+        ["TON", "TOF", "TP", "F_TRIG"].iter().any(|name| exported.contains(&format!("<derived name=\"{name}\"/>")));
+    if exported.contains("xmlns:xhtml=") && has_own_rules {
+        *refused.entry("(timers and edges of other editors)".to_string()).or_default() += 1;
+        return None;
+    }
     let (written, messages) = whole::document(&parsed, "Test");
     if let Some(first) = messages.iter().find(|message| message.is_error()) {
         *refused.entry(first.title.clone()).or_default() += 1;

@@ -24,7 +24,8 @@ fn picture(model: &Model) -> String {
 }
 
 fn check(name: &str, model: &Model) {
-    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compiler/monitor")).join("tests").join(name);
+    let path =
+        std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../compiler/monitor")).join("tests").join(name);
     let found = picture(model);
     if std::env::var_os("UPDATE_EXPECT").is_some() {
         std::fs::write(&path, &found).expect("the folder can be written");

@@ -5,7 +5,7 @@ use plcc_syntax::network::ast::{Element, Pin, Target};
 use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm, StatementKind};
 
-use super::out_pin;
+use super::elements::out_pin;
 use crate::names;
 use crate::scl::expression;
 use crate::writer::Writer;

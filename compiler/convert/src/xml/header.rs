@@ -108,9 +108,8 @@ pub(super) fn check_header(name: &BlockName, header: &Header, is_instruction: bo
     }
 }
 
-/// What members of a data block with standard access say about retentivity, if its header says it for all of them.
-///
-/// Source: SIMATIC SD, where such data are retentive only if the header says so.
+/// What members of a data block with standard access say about retentivity, if its header says it for all of them: in SIMATIC SD such data are
+/// retentive only if it does.
 pub(super) fn standard_remanence(header: &Header) -> Option<&'static str> {
     let is_standard =
         |names: &[&str]| attribute(header, names).is_some_and(|value| value.eq_ignore_ascii_case("FALSE"));
