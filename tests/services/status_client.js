@@ -89,7 +89,7 @@ async function look(tab) {
 
   // The place of an event leads to its network.
   await tab(`location.hash = "buffer"; 0`);
-  await until(tab, "the fault with its line", `/^FC 2, network 2, .*words.stl:23$/.test(document.querySelector("#events a")?.textContent ?? "")`);
+  await until(tab, "the fault with its line", `/^Words \\(FC 2\\), network 2, .*words.stl:23$/.test(document.querySelector("#events a")?.textContent ?? "")`);
   await tab(`document.querySelector("#events a").click()`);
   await until(tab, "the network of the fault", `/^#FC2\\/1$/.test(${frame}.location.hash)`);
   // Where a value is used.

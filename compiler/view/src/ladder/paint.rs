@@ -2,7 +2,7 @@
 
 use super::measure::{Kind, LEAD, Laid, RAIL, joint};
 use crate::scene::{Anchor, Item, Scene};
-use crate::sheet::{Link, Net, Sheet, Source};
+use crate::sheet::{Link, Look, Net, Sheet, Source};
 
 /// Height of the short rail at which an inner rung begins, above and below its line.
 const SHORT_RAIL: i32 = 7;
@@ -256,8 +256,14 @@ impl<'a> Painter<'a> {
         }
         for (pin, name) in connectors {
             let Some(end) = place(pin) else { continue };
-            let output =
-                self.sheet.parts.get(part_of(laid)).and_then(|part| part.pins.get(*pin)).is_some_and(|p| p.output);
+            let part = self.sheet.parts.get(part_of(laid));
+            // The operands of a comparison are above and below its bars.
+            if part.is_some_and(|part| matches!(part.look, Look::Compare { .. })) {
+                let dy = if end.1 < y { -2 } else { 12 };
+                self.scene.text((end.0, end.1 + dy), Anchor::Middle, crate::scene::Ink::Mark, &format!("{name}»"), "");
+                continue;
+            }
+            let output = part.and_then(|part| part.pins.get(*pin)).is_some_and(|pin| pin.output);
             let (text, anchor, dx) = match output {
                 true => (format!("»{name}"), Anchor::Start, 3),
                 false => (format!("{name}»"), Anchor::End, -3),
