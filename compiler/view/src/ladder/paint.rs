@@ -259,7 +259,7 @@ impl<'a> Painter<'a> {
             let part = self.sheet.parts.get(part_of(laid));
             // The operands of a comparison are above and below its bars.
             if part.is_some_and(|part| matches!(part.look, Look::Compare { .. })) {
-                let dy = if end.1 < y { -2 } else { 12 };
+                let dy = if end.1 < y { -6 } else { 13 };
                 self.scene.text((end.0, end.1 + dy), Anchor::Middle, crate::scene::Ink::Mark, &format!("{name}»"), "");
                 continue;
             }
