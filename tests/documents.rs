@@ -418,9 +418,37 @@ fn crates_use_only_what_the_architecture_lists_above_them() {
             manifest.lines().find_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"')).map(String::from),
         );
     }
-    let members = fs::read_to_string(root().join("Cargo.toml")).unwrap();
-    let members = members.split("members = [").nth(1).and_then(|rest| rest.split(']').next()).unwrap();
-    assert_eq!(above.len(), members.lines().filter(|line| line.contains('"')).count(), "{above:?}");
+    assert_eq!(above.len(), members().len(), "{above:?}");
+}
+
+/// The folders of all packages.
+fn members() -> Vec<String> {
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let members = manifest.split("members = [").nth(1).and_then(|rest| rest.split(']').next()).unwrap();
+    members.split('"').skip(1).step_by(2).map(str::to_string).collect()
+}
+
+/// A library that says `test = false` has no unit tests, or plcc-inside builds them: nobody would run them otherwise.
+#[test]
+fn no_unit_tests_are_left_out() {
+    let inside = fs::read_to_string(root().join("tests/inside/Cargo.toml")).unwrap();
+    let mut built = 0;
+    for folder in members() {
+        let manifest = fs::read_to_string(root().join(&folder).join("Cargo.toml")).unwrap();
+        let library = manifest.split("\n[lib]").nth(1).unwrap_or_default();
+        let library = library.split("\n[").next().unwrap_or_default();
+        let is_skipped = library.lines().any(|line| line == "test = false");
+        let has_test = |path: &PathBuf| fs::read_to_string(path).is_ok_and(|text| text.contains("#[test]"));
+        let has_tests = all_files(&root().join(&folder).join("src")).iter().any(has_test);
+        let is_inside = inside.contains(&format!("path = \"../../{folder}/src/lib.rs\""));
+        built += usize::from(is_inside);
+        assert!(
+            !is_skipped || !has_tests || is_inside,
+            "the unit tests of {folder} are not in tests/inside/Cargo.toml"
+        );
+        assert!(!is_inside || is_skipped, "{folder} builds its unit tests, and so does tests/inside");
+    }
+    assert!(built > 15, "only {built} libraries");
 }
 
 #[test]

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! - `keys`: names that are not known; `types`: values of another type; `headings`: tables and lists of tables.
-//! - `syntax`: what is no TOML; `literals`: values that are written as in a PLC program.
+//! - `syntax`: what is not TOML; `literals`: values that are written as in a PLC program.
 
 mod headings;
 mod keys;

@@ -191,7 +191,7 @@ fn charts_of_projects_come_back() {
     }
 }
 
-/// Parts of the chart that are other ones, and what is told of them.
+/// Parts of the chart in other forms, and what the conversion says about each.
 #[test]
 fn what_sfc_does_not_have_is_refused() {
     let step = "STEP Mix (*$_NUM 6*):\n";

@@ -274,7 +274,7 @@ impl Maker<'_> {
             ("-", Real) => (I::SubR, true),
             ("*", Real) => (I::MulR, true),
             ("/", Real) => (I::DivR, true),
-            // The product of two UINT may have 32 bits, which is no overflow of a DINT that cutting would not show.
+            // The product of two UINT may have 32 bits: a DINT overflows without a change of the bits that stay.
             ("+", Sint | Usint | Uint) => (I::AddD, false),
             ("-", Sint | Usint | Uint) => (I::SubD, false),
             ("*", Sint | Usint | Uint) => (I::MulD, false),

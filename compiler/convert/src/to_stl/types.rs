@@ -179,7 +179,7 @@ impl<'a> Types<'a> {
         let Some(called) = called.filter(|called| called.kind == CodeKind::Fc) else { return Vec::new() };
         let sections = called.sections.iter().filter(|section| section.kind == SectionKind::Output);
         let outputs = sections.flat_map(|section| &section.variables).map(|one| (one.name.clone(), &one.ty));
-        // VOID is no type of a variable.
+        // A variable cannot be VOID.
         let is_value = |ty: &&TypeRef| !matches!(&ty.kind, TypeKind::Named(name) if name.eq_ignore_ascii_case("VOID"));
         let result = called.return_type.as_ref().filter(is_value).map(|ty| ("RET_VAL".to_string(), ty));
         outputs.chain(result).map(|(name, ty)| (name, self.part(ty, &[]))).collect()

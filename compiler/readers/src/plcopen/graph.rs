@@ -64,6 +64,8 @@ pub struct Build<'r, 'a, 'b> {
     direct: bool,
     /// The last element that names each variable, by words in lower case.
     named: HashMap<String, usize>,
+    /// The variables that outputs of an element write themselves: the element, and the variable in lower case.
+    written: Vec<(usize, String)>,
 }
 
 /// The graph of the objects `order`, which run in this order.
@@ -81,6 +83,7 @@ pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[
         passed: HashMap::new(),
         direct: false,
         named: HashMap::new(),
+        written: Vec::new(),
     };
     for at in order {
         build.object(*at);
@@ -93,6 +96,16 @@ pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[
 fn words(text: &str) -> impl Iterator<Item = String> {
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
     words.map(str::to_lowercase)
+}
+
+/// Whether two variables share no memory, and neither is an index of the other. Both in lower case.
+fn are_apart(one: &str, other: &str) -> bool {
+    if one.contains('[') || other.contains('[') {
+        return words(one).all(|word| words(other).all(|own| own != word));
+    }
+    let is_part =
+        |part: &str, whole: &str| part.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    !is_part(one, other) && !is_part(other, one)
 }
 
 fn name(text: impl Into<String>, form: NameForm, span: Span) -> Expr {
@@ -286,8 +299,12 @@ impl Build<'_, '_, '_> {
     fn turn(&self, element: usize, formal: &str, object: &Object) -> Option<Turn> {
         let text = object.text.clone().and_then(|range| self.reader.overlay.get(range)).unwrap_or_default();
         // An index counts, too: `cells[i]`.
-        let last = words(text).filter_map(|word| self.named.get(&word).copied()).max();
-        last.filter(|last| *last > element)?;
+        let is_named_later = words(text).any(|word| self.named.get(&word).is_some_and(|last| *last > element));
+        let own = text.trim().to_lowercase();
+        let is_shared = self.written.iter().any(|(by, other)| *by == element && !are_apart(&own, other));
+        if !is_named_later && !is_shared {
+            return None;
+        }
         if object.modifiers.storage != Storage::None || formal.eq_ignore_ascii_case("ENO") {
             return Some(Turn::Bool);
         }
@@ -318,7 +335,19 @@ impl Build<'_, '_, '_> {
     /// The output of a block goes to a variable: another pin of the block.
     fn write(&mut self, at: usize, object: &Object, origins: Vec<Origin>) {
         let Some(Origin::Pin(element, formal)) = origins.into_iter().next() else { return };
-        let operand = self.operand(object);
+        let operand = match object.text.clone() {
+            Some(range) => {
+                // The element names the variable, and not one after it.
+                let text = self.reader.overlay.get(range.clone()).unwrap_or_default();
+                for word in words(text) {
+                    let last = self.named.entry(word).or_insert(element);
+                    *last = element.max(*last);
+                }
+                self.written.push((element, text.trim().to_lowercase()));
+                PinValue::Operand(self.reader.expression(range, Some(&self.body.scope)))
+            }
+            None => PinValue::Open,
+        };
         let canonical = self.output_name(element, &formal, object.span);
         let mut output = pin(&canonical, operand, true, object.span);
         output.storage = object.modifiers.storage;

@@ -242,7 +242,7 @@ impl Reader<'_> {
         Some(Variable { name, name_span, attributes: Vec::new(), at: None, ty, initial, comment })
     }
 
-    /// A text that is no parameter has a length in these editors, also where none is written. A parameter may be a reference to a longer
+    /// A text that is not a parameter has a length in these editors, also where none is written. A parameter may be a reference to a longer
     /// text.
     pub fn give_length(&self, ty: &mut TypeRef) {
         let characters = match self.editor {

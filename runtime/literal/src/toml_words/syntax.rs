@@ -1,4 +1,4 @@
-//! What is no TOML: values without quotation marks, habits of other languages, parts that are not closed.
+//! What is not TOML: values without quotation marks, habits of other languages, parts that are not closed.
 
 use super::{Wrong, headings};
 

@@ -284,6 +284,14 @@ fn start_values_of_elements_stay() {
     convert("block.scl", "xml", "block.xml");
     let made = plcc(folder, &["convert", "block.xml", "--to", "scl"]);
     assert!(text(&made.stdout).contains("    p : \"U\" := (y := [0, 0, 5]);\n"), "{}", text(&made.stdout));
+    // A list has no gaps.
+    let whole = fs::read_to_string(folder.join("block.xml")).expect("it is written");
+    let (before, rest) = whole.split_once("<Subelement Path=\"0\">").expect("values of elements");
+    let (_, after) = rest.split_once("</Subelement>").expect("its end");
+    write("gap.xml", &format!("{before}{after}"));
+    let made = plcc(folder, &["convert", "gap.xml", "--to", "scl"]);
+    assert_eq!(made.status.code(), Some(3), "{}", text(&made.stdout));
+    assert!(text(&made.stderr).contains("no start values of single elements"), "{}", text(&made.stderr));
     // STL has no start values of structures in declarations at all.
     convert("data.xml", "stl", "again.stl");
     let list = fs::read_to_string(folder.join("again.stl")).expect("it is written");

@@ -113,7 +113,7 @@ impl SclBinder<'_, '_> {
         self.refuse(Code::AlwaysSame, value.span, &title, label, help);
     }
 
-    /// Warns of constant limits between which there is no value.
+    /// Warns of constant limits with no value between them.
     pub(super) fn check_limits(&mut self, values: &[Value]) {
         let number = |value: &Value| match value {
             Value::Constant(Constant::Integer { value, .. }, _) => Some(Known::Whole(*value)),
