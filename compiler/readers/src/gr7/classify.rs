@@ -64,7 +64,8 @@ impl<'a> Classifier<'a, '_> {
         const PART_MAX: usize = 2000;
         let next = self.raw.get(self.at + 1).filter(|next| !next.first_on_line);
         let is_head = next.is_some_and(|next| matches!(next.kind, RawKind::Pragma | RawKind::Colon));
-        if !is_head || !is_name(name.kind) || !name.first_on_line {
+        // A keyword that begins no part here, such as `END_VAR`, is not a name.
+        if !is_head || !is_name(name.kind) || !name.first_on_line || self.keyword_at(self.at).is_some() {
             return false;
         }
         let mut rest = (self.at + 1..self.raw.len()).take(PART_MAX);

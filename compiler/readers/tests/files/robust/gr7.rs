@@ -43,6 +43,18 @@ fn any_text_is_read() {
 }
 
 #[test]
+fn a_keyword_is_not_the_name_of_a_part() {
+    for word in ["END_VAR", "END_FUNCTION_BLOCK", "BEGIN", "NETWORK", "VAR", "FUNCTION_BLOCK"] {
+        for after in ["(*$_NUM 1*)", "(*$_X*)", ":"] {
+            for end in ["END_STEP", "END_TRANSITION"] {
+                read(&format!("FUNCTION_BLOCK FB1\n{word} {after}\n{end}\nEND_FUNCTION_BLOCK\n"), GRAPH);
+                read(&format!("FUNCTION_BLOCK FB1\nVAR\nEND_VAR\n{word} {after}\n{end}\n"), GRAPH);
+            }
+        }
+    }
+}
+
+#[test]
 fn long_sources_are_read_in_time() {
     let block = |inner: &str| format!("FUNCTION_BLOCK FB1\nINITIAL_STEP S1:\n{inner}\nEND_STEP\nEND_FUNCTION_BLOCK\n");
     let condition = |text: String| {

@@ -1,5 +1,10 @@
 //! Inputs of a notation: any text, pieces in any order, and sources with changes.
 
+use std::process::abort;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
 use plcc_syntax::decode;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -9,6 +14,9 @@ use proptest::test_runner::{Config, TestRunner};
 /// How many inputs of each kind a test has, about.
 const CASES: u32 = 300;
 const KINDS: u32 = 5;
+
+/// Longest time for one input: reading it does not end.
+const LIMIT: Duration = Duration::from_secs(20);
 
 /// What inputs of a notation are made of.
 pub struct Notation {
@@ -23,11 +31,16 @@ pub struct Notation {
 impl Notation {
     /// Runs `check` with many inputs; it panics if one is not read as it should be. A failure is shown with a small input.
     pub fn test(&self, check: impl Fn(&str)) {
+        let (begins, begun) = channel::<String>();
+        let watch = thread::spawn(move || watch(&begun));
         let config = Config { cases: CASES * KINDS, failure_persistence: None, ..Config::default() };
         let result = TestRunner::new(config).run(&self.inputs(), |text| {
+            begins.send(text.clone()).expect("the watch runs until the sender is dropped");
             check(&text);
             Ok(())
         });
+        drop(begins);
+        watch.join().expect("the watch does not panic");
         if let Err(error) = result {
             panic!("{error}");
         }
@@ -65,6 +78,21 @@ impl Notation {
             let (before, after) = source.split_at(boundary(source, place.index(source.len())));
             if first { before } else { after }.to_owned()
         })
+    }
+}
+
+/// Shows the input that is not read in time, and ends the process: what never ends cannot be stopped.
+fn watch(begun: &Receiver<String>) {
+    let mut current = String::new();
+    loop {
+        match begun.recv_timeout(LIMIT) {
+            Ok(text) => current = text,
+            Err(RecvTimeoutError::Disconnected) => return,
+            Err(RecvTimeoutError::Timeout) => {
+                eprintln!("reading does not end: {current:?}");
+                abort();
+            }
+        }
     }
 }
 
