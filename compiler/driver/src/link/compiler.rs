@@ -8,10 +8,6 @@ use std::process::{Command, Stdio};
 
 use super::{Form, LinkError, Runtime};
 
-/// The runtimes as `build.rs` made them.
-static PLAIN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/runtime.o"));
-static SERVICES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/services.o"));
-
 /// Links `objects` with the runtime to the executable `out`.
 pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) -> Result<(), LinkError> {
     let (runtime, own) = match form {
@@ -20,8 +16,8 @@ pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) 
         Form::Unit => return Err(LinkError::NotHere(form)),
     };
     let runtime = match runtime {
-        Runtime::Plain => PLAIN,
-        Runtime::Services => SERVICES,
+        Runtime::Plain => plcc_prebuilt::OBJECT,
+        Runtime::Services => plcc_prebuilt::OBJECT_WITH_SERVICES,
     };
     let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
     let write = |name: String, bytes: &[u8]| {

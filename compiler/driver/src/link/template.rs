@@ -1,8 +1,6 @@
 //! The runtime as an executable or a shared library with room for a program.
 //!
-//! `build.rs` links it like any other, with two sections of a few bytes at the end: `.plcc.program`, read-only, which
-//! begins with the symbol `plcc_program`, and `.plcc.text`, executable. Each has a segment of its own, and nothing that is
-//! loaded comes after them, so they can grow.
+//! `plcc_prebuilt` has them.
 
 use object::LittleEndian;
 use object::elf::{self, FileHeader64, ProgramHeader64, SectionHeader64, Sym64};
@@ -10,13 +8,6 @@ use object::read::elf::{FileHeader as _, ProgramHeader as _, SectionHeader as _,
 use plcc_abi::linked;
 
 use super::LinkError;
-
-/// Includes what `build.rs` has made.
-macro_rules! built {
-    ($name:literal) => {
-        include_bytes!(concat!(env!("OUT_DIR"), "/", $name))
-    };
-}
 
 /// What is linked with a program besides it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,11 +31,11 @@ impl Form {
     /// The template; empty if plcc was built without it.
     fn bytes(self) -> &'static [u8] {
         match self {
-            Form::Executable(Runtime::Plain) => built!("runtime-template"),
-            Form::Executable(Runtime::Services) => built!("services-template"),
-            Form::Static(Runtime::Plain) => built!("runtime-static"),
-            Form::Static(Runtime::Services) => built!("services-static"),
-            Form::Unit => built!("unit"),
+            Form::Executable(Runtime::Plain) => plcc_prebuilt::EXECUTABLE,
+            Form::Executable(Runtime::Services) => plcc_prebuilt::EXECUTABLE_WITH_SERVICES,
+            Form::Static(Runtime::Plain) => plcc_prebuilt::STATIC,
+            Form::Static(Runtime::Services) => plcc_prebuilt::STATIC_WITH_SERVICES,
+            Form::Unit => plcc_prebuilt::UNIT,
         }
     }
 }
@@ -156,7 +147,7 @@ mod tests {
     #[test]
     fn the_template_has_room_and_all_functions() {
         for form in FORMS {
-            let template = Template::read(form).expect("build.rs made it");
+            let template = Template::read(form).expect("plcc was built with it");
             assert!(template.program.address < template.code.address);
             let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
             let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
@@ -168,14 +159,14 @@ mod tests {
 
     #[test]
     fn services_are_only_where_they_are_asked_for() {
-        let bytes = |runtime| Template::read(Form::Executable(runtime)).expect("build.rs made it").bytes.len();
+        let bytes = |runtime| Template::read(Form::Executable(runtime)).expect("plcc was built with it").bytes.len();
         let (plain, services) = (bytes(Runtime::Plain), bytes(Runtime::Services));
         assert!(plain < 4_000_000 && plain + 200_000 < services, "{plain} {services}");
     }
 
     #[test]
     fn no_segment_is_writable_and_executable() {
-        let segments = FORMS.map(|form| Template::read(form).expect("build.rs made it").segments);
+        let segments = FORMS.map(|form| Template::read(form).expect("plcc was built with it").segments);
         for segment in segments.iter().flatten() {
             let flags = segment.p_flags(ENDIAN);
             assert!(flags & elf::PF_W == 0 || flags & elf::PF_X == 0, "{flags}");
