@@ -118,6 +118,18 @@ fn statements_of_scl_as_lists_do_the_same() {
     assert!(blocks > 300 || !only.is_empty(), "only {blocks} blocks");
 }
 
+/// Sources of which every block becomes STL.
+#[test]
+fn whole_sources_become_lists() {
+    const SOURCES: [&str; 1] = ["language/small_and_unsigned_tia"];
+    for name in SOURCES {
+        let path = tests_folder().join(format!("run/scl/{name}.scl"));
+        let made =
+            run_as_stl(&path, "s7-1500").expect("a source that runs").unwrap_or_else(|text| panic!("{name}: {text}"));
+        assert!(made.blocks > 0 && made.refused.is_empty(), "{name}: {:?}", made.refused);
+    }
+}
+
 /// The messages, as titles and what the source has there, and the text.
 fn converted(text: &str) -> (Vec<(String, String)>, String) {
     let folder = tempfile::tempdir().expect("a folder");

@@ -295,6 +295,9 @@ impl Maker<'_> {
             return self.constant(value.ty, 0);
         }
         match &value.kind {
+            // No constant of STL has the type.
+            ExprKind::Const(_) if value.ty == Elementary::Wchar => {}
+            ExprKind::Const(bits) if !value.ty.is_of_s7300() => return self.whole_number(value.ty, *bits),
             ExprKind::Const(bits) if value.ty != Elementary::Real || f32::from_bits(*bits as u32).is_finite() => {
                 return self.constant(value.ty, *bits);
             }
@@ -312,6 +315,16 @@ impl Maker<'_> {
             _ => self.number(value),
         }
         self.keep(value.ty)
+    }
+
+    /// An integer that has the type of the formal parameter.
+    fn whole_number(&self, ty: Elementary, bits: u64) -> Operand {
+        let above = 64 - ty.bits();
+        let number = match ty.is_signed() {
+            true => (bits << above).cast_signed() >> above,
+            false => bits.cast_signed(),
+        };
+        super::code::number(number, self.span)
     }
 
     /// Neither the callee nor another argument changes the variable before the callee reads it.

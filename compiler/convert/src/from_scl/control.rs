@@ -237,7 +237,9 @@ impl Maker<'_> {
         let ty = start.ty;
         let (add, up, down, greater) = match ty {
             Elementary::Int => (StlInsn::AddI, StlInsn::CompareLeI, StlInsn::CompareGeI, StlInsn::CompareGtI),
-            Elementary::Dint => (StlInsn::AddD, StlInsn::CompareLeD, StlInsn::CompareGeD, StlInsn::CompareGtD),
+            Elementary::Dint | Elementary::Usint | Elementary::Uint => {
+                (StlInsn::AddD, StlInsn::CompareLeD, StlInsn::CompareGeD, StlInsn::CompareGtD)
+            }
             _ => {
                 return self.refuse(variable.span, format!("FOR with {}", ty.name()), "count in INT or DINT");
             }
@@ -256,7 +258,7 @@ impl Maker<'_> {
         };
         match step.kind {
             ExprKind::Const(bits) => {
-                let negative = bits >> (ty.bits() - 1) & 1 == 1;
+                let negative = ty.is_signed() && bits >> (ty.bits() - 1) & 1 == 1;
                 compare(self, if negative { down } else { up }, &counter, &last);
             }
             _ => {

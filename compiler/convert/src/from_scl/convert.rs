@@ -70,13 +70,24 @@ impl Maker<'_> {
     }
 
     fn by_value(&mut self, rounding: StlInsn, overflow: Overflow, (from, to): (Elementary, Elementary), span: Span) {
-        use Elementary::{Dint, Int, Real};
+        use Elementary::{Dint, Int, Real, Sint, Udint, Uint, Usint};
         match (from, to) {
             (Int, Real) => {
                 self.push(StlInsn::IToD, None);
                 self.push(StlInsn::DToR, None);
             }
-            (Dint | Elementary::Time, Real) => self.push(StlInsn::DToR, None),
+            (Sint, Real) => {
+                self.resize(Sint, Dint);
+                self.push(StlInsn::DToR, None);
+            }
+            (Dint | Usint | Uint | Elementary::Time, Real) => self.push(StlInsn::DToR, None),
+            (Udint, Real) => {
+                self.refuse(
+                    span,
+                    "the conversion of UDINT to REAL",
+                    "convert it to DINT first, if it is less than 2**31",
+                );
+            }
             (Real, Real) => self.refuse(span, "the rounding of a REAL to a REAL", "round it to a DINT"),
             (Real, Dint) if overflow == Overflow::Pattern => self.push(rounding, None),
             (Real, Int) if overflow == Overflow::Pattern => self.round_to_int(rounding),
@@ -106,7 +117,11 @@ impl Maker<'_> {
 
     /// The bits of a value, extended by its sign or truncated.
     fn resize(&mut self, from: Elementary, to: Elementary) {
-        if from == Elementary::Int && to.bits() == 32 {
+        let is_wider = to.bits() > from.bits();
+        if from == Elementary::Sint && is_wider {
+            self.sign_of_byte();
+        }
+        if to.bits() == 32 && matches!(from, Elementary::Int | Elementary::Sint) {
             return self.push(StlInsn::IToD, None);
         }
         // The high bits of an INT may be anything.

@@ -19,7 +19,7 @@ enum Join {
     Xor,
 }
 
-/// The instruction that compares two values of a type, if STL has one.
+/// The instruction that compares two values of a type as they are, if STL has one.
 pub fn comparison(op: CompareOp, ty: Elementary) -> Option<StlInsn> {
     use StlInsn as I;
     let int = [I::CompareEqI, I::CompareNeI, I::CompareLtI, I::CompareLeI, I::CompareGtI, I::CompareGeI];
@@ -30,16 +30,20 @@ pub fn comparison(op: CompareOp, ty: Elementary) -> Option<StlInsn> {
         Elementary::Int => int,
         Elementary::Dint | Elementary::Time | Elementary::TimeOfDay => dint,
         // Their high bits are 0.
-        Elementary::Byte | Elementary::Word | Elementary::Char | Elementary::Date | Elementary::S5Time => dint,
+        Elementary::Byte
+        | Elementary::Word
+        | Elementary::Char
+        | Elementary::Wchar
+        | Elementary::Usint
+        | Elementary::Uint
+        | Elementary::Date
+        | Elementary::S5Time => dint,
         Elementary::Real => real,
-        Elementary::Dword if !is_order => dint,
+        Elementary::Dword | Elementary::Udint | Elementary::Sint if !is_order => dint,
         Elementary::Bool
         | Elementary::Dword
         | Elementary::Lword
-        | Elementary::Wchar
         | Elementary::Sint
-        | Elementary::Usint
-        | Elementary::Uint
         | Elementary::Udint
         | Elementary::Lint
         | Elementary::Ulint
@@ -214,11 +218,17 @@ impl Maker<'_> {
     }
 
     fn compare(&mut self, op: CompareOp, left: &Expr, right: &Expr) {
-        let Some(insn) = comparison(op, left.ty) else {
+        let is_order = !matches!(op, CompareOp::Equal | CompareOp::NotEqual);
+        let insn = match left.ty {
+            // `pair` makes DINT of them.
+            Elementary::Sint | Elementary::Dword | Elementary::Udint => comparison(op, Elementary::Dint),
+            ty => comparison(op, ty),
+        };
+        let Some(insn) = insn else {
             let what = format!("this comparison of {}", left.ty.name());
             return self.refuse(left.span, what, "compare DINT or REAL");
         };
-        self.pair(left, right, matches!(op, CompareOp::Equal | CompareOp::NotEqual));
+        self.pair(left, right, !is_order, is_order);
         self.push(insn, None);
     }
 

@@ -2,7 +2,7 @@
 //!
 //! - `code`: statements, labels and variables that hold values between them.
 //! - `place`: places in memory by their names; `address`: those that AR1 points at.
-//! - `control`: IF, CASE, loops, jumps; `value`: numbers in ACCU1; `convert`: conversions; `logic`: BOOLs in the RLO.
+//! - `control`: IF, CASE, loops, jumps; `value`: numbers in ACCU1; `shift`: shifts; `convert`: conversions; `logic`: BOOLs in the RLO.
 //! - `call`: calls of blocks; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
 //! - `networks`: networks in SCL among those of LAD and FBD.
@@ -21,6 +21,7 @@ mod logic;
 mod networks;
 mod place;
 mod position;
+mod shift;
 mod value;
 
 use std::collections::{HashMap, HashSet};

@@ -1,6 +1,7 @@
 //! Numbers, bit strings and times in ACCU1.
 //!
-//! Between statements, the high bits of ACCU1 are 0 for a bit string of 8 or 16 bits, a CHAR and a DATE; for an INT they are anything.
+//! Between statements, the high bits of ACCU1 are 0 for all types of 8 or 16 bits but INT, also for a SINT below 0; for an INT they are
+//! anything.
 
 use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::{Class, Elementary};
@@ -9,6 +10,9 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+
+/// It makes unsigned numbers of 32 bits signed ones in the same order.
+const SIGN: u32 = 0x8000_0000;
 
 impl Maker<'_> {
     /// Loads the value of an expression that is not a BOOL.
@@ -45,21 +49,32 @@ impl Maker<'_> {
         }
     }
 
-    /// STL of the S7-300 has instructions for the type.
+    /// ACCU1 holds values of the type.
     pub fn has_type(&mut self, value: &Expr) -> bool {
-        let known = value.ty.is_of_s7300();
-        if !known {
+        let fits = value.ty.bits() <= 32;
+        if !fits {
             let what = format!("values of type {}", value.ty.name());
-            self.refuse(value.span, what, "use a type of the S7-300");
+            self.refuse(
+                value.span,
+                what,
+                "the accumulators have 32 bits: use a type of at most 32 bits, or leave the block in SCL",
+            );
         }
-        known
+        fits
     }
 
-    /// A constant as an operand.
+    /// A constant as an operand that L loads.
     pub fn constant(&self, ty: Elementary, bits: u64) -> Operand {
+        use Elementary::{Real, Sint, Udint, Uint, Usint};
         let is_number = f32::from_bits(bits as u32).is_finite();
         let literal = match ty {
-            Elementary::Real if !is_number => Literal::Dword(bits as u32),
+            Real if !is_number => Literal::Dword(bits as u32),
+            Usint | Sint | Uint if bits <= (i16::MAX as u64) && (ty != Sint || bits <= 0x7F) => {
+                Literal::Int(bits as i64)
+            }
+            Sint => Literal::Byte(bits as u8),
+            Uint => Literal::Word(bits as u16),
+            Udint if bits <= (i32::MAX as u64) => Literal::Dint(bits as i32),
             _ => crate::operand::typed(ty, bits).unwrap_or(Literal::Dword(bits as u32)),
         };
         Operand { kind: OperandKind::Literal(literal), span: self.span }
@@ -74,42 +89,71 @@ impl Maker<'_> {
         }
     }
 
-    /// Loads `left` to ACCU2 and `right` to ACCU1; `swapped`: the other way round will do.
-    pub fn pair(&mut self, left: &Expr, right: &Expr, swapped: bool) {
+    /// Loads `left` to ACCU2 and `right` to ACCU1; `swapped`: the other way round will do. A SINT becomes a DINT; `ordered`: unsigned
+    /// values of 32 bits become DINT in the same order.
+    pub fn pair(&mut self, left: &Expr, right: &Expr, swapped: bool, ordered: bool) {
+        let side = |maker: &mut Self, value: &Expr| {
+            maker.number(value);
+            maker.as_side(value.ty, ordered);
+        };
         if self.is_simple(right) {
-            self.number(left);
-            return self.number(right);
+            side(self, left);
+            return side(self, right);
         }
         if self.is_simple(left) && is_plain(right) {
-            self.number(right);
-            self.number(left);
+            side(self, right);
+            side(self, left);
         } else {
             self.number(left);
             let stored = self.keep(left.ty);
-            self.number(right);
+            side(self, right);
             self.push(StlInsn::Load, Some(stored));
+            self.as_side(left.ty, ordered);
         }
         if !swapped {
             self.push(StlInsn::SwapAccu, None);
         }
     }
 
+    fn as_side(&mut self, ty: Elementary, ordered: bool) {
+        match ty {
+            Elementary::Sint => {
+                self.sign_of_byte();
+                self.push(StlInsn::IToD, None);
+            }
+            Elementary::Dword | Elementary::Udint if ordered => self.dword_constant(StlInsn::XorD, SIGN),
+            _ => {}
+        }
+    }
+
+    /// A SINT in ACCU1 becomes an INT.
+    pub fn sign_of_byte(&mut self) {
+        for insn in [StlInsn::ShiftLeftW, StlInsn::ShiftSignedI] {
+            self.push(insn, Some(super::code::number(8, self.span)));
+        }
+    }
+
     // Operators.
 
     fn unary(&mut self, op: UnaryOp, operand: &Expr, value: &Expr) {
-        use Elementary::{Byte, Dint, Dword, Int, Real, Time, Word};
+        use Elementary::{Byte, Dint, Dword, Int, Real, Sint, Time, Udint, Uint, Usint, Word};
         match (op, value.ty) {
             (UnaryOp::Abs, Int | Dint | Time) => return self.magnitude(operand),
-            (UnaryOp::Abs, ty) if ty.class() == Class::Bits => return self.number(operand),
+            (UnaryOp::Abs, ty) if matches!(ty.class(), Class::Bits | Class::Unsigned) => return self.number(operand),
+            (UnaryOp::Negate, Sint) => {
+                self.number(operand);
+                self.push(StlInsn::NegI, None);
+                return self.mask(8);
+            }
             _ => {}
         }
         let insn = match (op, value.ty) {
             (UnaryOp::Negate, Int) => StlInsn::NegI,
             (UnaryOp::Negate, Dint | Time) => StlInsn::NegD,
             (UnaryOp::Negate, Real) => StlInsn::NegR,
-            (UnaryOp::Not, Word | Int) => StlInsn::InvertI,
-            (UnaryOp::Not, Dword | Dint) => StlInsn::InvertD,
-            (UnaryOp::Not, Byte) => {
+            (UnaryOp::Not, Word | Int | Uint) => StlInsn::InvertI,
+            (UnaryOp::Not, Dword | Dint | Udint) => StlInsn::InvertD,
+            (UnaryOp::Not, Byte | Sint | Usint) => {
                 self.number(operand);
                 return self.word_constant(StlInsn::XorW, 0xFF);
             }
@@ -141,9 +185,9 @@ impl Maker<'_> {
         self.push(StlInsn::Load, Some(stored));
     }
 
-    fn no_operator(&mut self, value: &Expr) {
+    pub fn no_operator(&mut self, value: &Expr) {
         let what = format!("this operation with {}", value.ty.name());
-        self.refuse(value.span, what, "compute it with types of the S7-300, in steps");
+        self.refuse(value.span, what, "compute it in steps, or with another type");
     }
 
     fn word_constant(&mut self, insn: StlInsn, bits: u16) {
@@ -166,115 +210,48 @@ impl Maker<'_> {
     }
 
     fn binary(&mut self, op: BinaryOp, left: &Expr, right: &Expr, value: &Expr) {
-        use Elementary::{Byte, Dint, Dword, Int, Real, Time, Word};
+        use Elementary::{Byte, Dint, Dword, Int, Real, Sint, Time, Udint, Uint, Usint, Word};
         let ty = value.ty;
+        let is_small = matches!(ty, Sint | Usint | Uint);
         let (insn, commutes) = match (op, ty) {
             (BinaryOp::Add, Int) => (StlInsn::AddI, true),
-            (BinaryOp::Add, Dint | Time) => (StlInsn::AddD, true),
+            (BinaryOp::Add, Dint | Time | Sint | Usint | Uint | Udint) => (StlInsn::AddD, true),
             (BinaryOp::Add, Real) => (StlInsn::AddR, true),
             (BinaryOp::Subtract, Int) => (StlInsn::SubI, false),
-            (BinaryOp::Subtract, Dint | Time) => (StlInsn::SubD, false),
+            (BinaryOp::Subtract, Dint | Time | Sint | Usint | Uint | Udint) => (StlInsn::SubD, false),
             (BinaryOp::Subtract, Real) => (StlInsn::SubR, false),
             (BinaryOp::Multiply, Int) => (StlInsn::MulI, true),
-            (BinaryOp::Multiply, Dint | Time) => (StlInsn::MulD, true),
+            (BinaryOp::Multiply, Dint | Time | Sint | Usint | Uint | Udint) => (StlInsn::MulD, true),
             (BinaryOp::Multiply, Real) => (StlInsn::MulR, true),
             (BinaryOp::Divide | BinaryOp::Modulo, Int) => (StlInsn::DivI, false),
-            (BinaryOp::Divide, Dint | Time) => (StlInsn::DivD, false),
+            (BinaryOp::Divide, Dint | Time | Sint | Usint | Uint) => (StlInsn::DivD, false),
             (BinaryOp::Divide, Real) => (StlInsn::DivR, false),
-            (BinaryOp::Modulo, Dint | Time) => (StlInsn::ModD, false),
-            (BinaryOp::And, Byte | Word | Int) => (StlInsn::AndW, true),
-            (BinaryOp::Or, Byte | Word | Int) => (StlInsn::OrW, true),
-            (BinaryOp::Xor, Byte | Word | Int) => (StlInsn::XorW, true),
-            (BinaryOp::And, Dword | Dint) => (StlInsn::AndD, true),
-            (BinaryOp::Or, Dword | Dint) => (StlInsn::OrD, true),
-            (BinaryOp::Xor, Dword | Dint) => (StlInsn::XorD, true),
+            (BinaryOp::Modulo, Dint | Time | Sint | Usint | Uint) => (StlInsn::ModD, false),
+            (BinaryOp::And, Byte | Word | Int | Sint | Usint | Uint) => (StlInsn::AndW, true),
+            (BinaryOp::Or, Byte | Word | Int | Sint | Usint | Uint) => (StlInsn::OrW, true),
+            (BinaryOp::Xor, Byte | Word | Int | Sint | Usint | Uint) => (StlInsn::XorW, true),
+            (BinaryOp::And, Dword | Dint | Udint) => (StlInsn::AndD, true),
+            (BinaryOp::Or, Dword | Dint | Udint) => (StlInsn::OrD, true),
+            (BinaryOp::Xor, Dword | Dint | Udint) => (StlInsn::XorD, true),
             (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, _) => return self.shift(op, left, right, value),
             (BinaryOp::RotateLeft | BinaryOp::RotateRight, _) => return self.rotate(op, left, right, value),
             (BinaryOp::Min | BinaryOp::Max, _) => return self.least_or_most(op, left, right, value),
+            (BinaryOp::Power, Real) if matches!(right.kind, ExprKind::Const(bits) if bits as u32 == 2.0_f32.to_bits()) =>
+            {
+                self.number(left);
+                return self.push(StlInsn::SqrR, None);
+            }
             _ => return self.no_operator(value),
         };
-        self.pair(left, right, commutes);
+        self.pair(left, right, commutes, false);
         self.push(insn, None);
+        if is_small && (ty == Sint || matches!(op, BinaryOp::Add | BinaryOp::Subtract | BinaryOp::Multiply)) {
+            self.mask(ty.bits());
+        }
         if (op, ty) == (BinaryOp::Modulo, Int) {
             // `/I` leaves the remainder in the high word.
             self.push(StlInsn::ShiftRightD, Some(super::code::number(16, self.span)));
         }
-    }
-
-    fn shift(&mut self, op: BinaryOp, left: &Expr, count: &Expr, value: &Expr) {
-        use Elementary::{Byte, Dint, Dword, Int, Word};
-        let insn = match (op, value.ty) {
-            (BinaryOp::ShiftLeft, Byte | Word | Int) => StlInsn::ShiftLeftW,
-            (BinaryOp::ShiftLeft, Dword | Dint) => StlInsn::ShiftLeftD,
-            (BinaryOp::ShiftRight, Byte | Word) => StlInsn::ShiftRightW,
-            (BinaryOp::ShiftRight, Dword) => StlInsn::ShiftRightD,
-            (BinaryOp::ShiftRight, Int) => StlInsn::ShiftSignedI,
-            (BinaryOp::ShiftRight, Dint) => StlInsn::ShiftSignedD,
-            _ => return self.no_operator(value),
-        };
-        let most = if value.ty.bits() == 32 { 32 } else { 15 };
-        match count.kind {
-            ExprKind::Const(bits) if bits <= most => {
-                self.number(left);
-                self.push(insn, Some(super::code::number(bits as i64, self.span)));
-            }
-            _ => {
-                self.number(left);
-                let stored = self.keep(left.ty);
-                self.shift_count(count);
-                self.push(StlInsn::Load, Some(stored));
-                self.push(insn, None);
-            }
-        }
-        if value.ty == Byte {
-            self.mask(8);
-        }
-    }
-
-    /// A count as the low byte of ACCU1: more than 255 counts as 255, a negative one modulo 256.
-    fn shift_count(&mut self, count: &Expr) {
-        let (compare, limit) = match count.ty {
-            Elementary::Int => (StlInsn::CompareLeI, self.constant(Elementary::Int, 255)),
-            Elementary::Dint => (StlInsn::CompareLeD, self.constant(Elementary::Dint, 255)),
-            _ => return self.number(count),
-        };
-        self.number(count);
-        if matches!(count.kind, ExprKind::Const(0..=255)) {
-            return;
-        }
-        let stored = self.keep(count.ty);
-        let label = self.new_label();
-        self.push(StlInsn::Load, Some(limit));
-        self.push(compare, None);
-        self.jump(StlInsn::JumpIf, &label);
-        let limit = self.constant(count.ty, 255);
-        self.push(StlInsn::Load, Some(limit));
-        self.push(StlInsn::Transfer, Some(stored.clone()));
-        self.label(&label, self.span.start);
-        self.push(StlInsn::Load, Some(stored));
-    }
-
-    /// A byte or word beside itself in a double word rotates as the double word does.
-    fn rotate(&mut self, op: BinaryOp, left: &Expr, count: &Expr, value: &Expr) {
-        let insn = if op == BinaryOp::RotateLeft { StlInsn::RotateLeftD } else { StlInsn::RotateRightD };
-        let bits = value.ty.bits();
-        let ExprKind::Const(count) = count.kind else {
-            let help = "rotate by a constant number of places";
-            return self.refuse(value.span, "a rotation by a value that is known at run time", help);
-        };
-        self.number(left);
-        if left.ty.is_signed() {
-            self.mask(bits);
-        }
-        for half in [8, 16].into_iter().filter(|half| *half >= bits) {
-            let stored = self.keep(Elementary::Dword);
-            self.push(StlInsn::ShiftLeftD, Some(super::code::number(i64::from(half), self.span)));
-            self.push(StlInsn::Load, Some(stored));
-            self.push(StlInsn::OrD, None);
-        }
-        let count = (count & 0xFFFF) as i64 % i64::from(bits);
-        self.push(insn, Some(super::code::number(count, self.span)));
-        self.mask(bits);
     }
 
     // Functions.
@@ -400,7 +377,7 @@ pub fn is_plain(value: &Expr) -> bool {
             let jumps = match op {
                 BinaryOp::Min | BinaryOp::Max => true,
                 BinaryOp::ShiftLeft | BinaryOp::ShiftRight => {
-                    right.ty.is_signed() && !matches!(right.kind, ExprKind::Const(_))
+                    super::shift::is_limited(right.ty) && !matches!(right.kind, ExprKind::Const(_))
                 }
                 BinaryOp::Add
                 | BinaryOp::Subtract
