@@ -211,7 +211,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         report::say(&report::summary(&messages));
         return exit::COMPILE;
     }
-    let companions = match companions::of(args, &tables, &parsed, Some(to)) {
+    let companions = match companions::of(args, &tables, &parsed, Some((to, &files))) {
         Ok(companions) => companions,
         Err(code) => return code,
     };

@@ -3,10 +3,16 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use plcc_abi::image::Profile;
+use plcc_diag::{SourceFile, SourceMap};
 use plcc_model::profile;
+use plcc_readers::ReadOptions;
+use plcc_syntax::ast::{Block, Code};
+use plcc_syntax::{chart, scl};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::Converted;
 use crate::cli::{ConvertArgs, ConvertTo, MnemonicsArg};
 use crate::command::exit;
 use crate::inputs::{AXES_ENDING, Read, read_text};
@@ -40,12 +46,12 @@ pub(super) fn tables(read: &Read) -> Vec<PathBuf> {
     alone.map(|table| PathBuf::from(&read.sources.file(*table).name)).collect()
 }
 
-/// What a folder of the sources needs. `Err`: the exit code, after a message.
+/// What a folder of the sources needs; `made`: the files in another notation. `Err`: the exit code, after a message.
 pub(super) fn of(
     args: &ConvertArgs,
     tables: &[PathBuf],
     parsed: &pipeline::Parsed,
-    to: Option<ConvertTo>,
+    made: Option<(ConvertTo, &[Converted])>,
 ) -> Result<Vec<Companion>, u8> {
     let mut found = Vec::new();
     for path in tables {
@@ -56,7 +62,7 @@ pub(super) fn of(
         found.push(Companion { name: PathBuf::from(path.file_name().unwrap_or_default()), bytes, yields: false });
     }
     if args.inputs.iter().any(|path| path.is_dir()) {
-        let settings = settings(args, parsed, to)?;
+        let settings = settings(args, parsed, made)?;
         found.extend((!settings.is_empty()).then(|| Companion {
             name: PathBuf::from(FILE_NAME),
             bytes: settings.into_bytes(),
@@ -66,8 +72,14 @@ pub(super) fn of(
     Ok(found)
 }
 
-/// The text of plc.toml for the folder: that of the project, with the CPU that the sources imply if nothing names one.
-fn settings(args: &ConvertArgs, parsed: &pipeline::Parsed, to: Option<ConvertTo>) -> Result<String, u8> {
+/// The text of plc.toml for the folder: that of the project, with the CPU that the sources imply if nothing names one and the new files
+/// imply another.
+fn settings(
+    args: &ConvertArgs,
+    parsed: &pipeline::Parsed,
+    made: Option<(ConvertTo, &[Converted])>,
+) -> Result<String, u8> {
+    let to = made.map(|(to, _)| to);
     let own = args.inputs.iter().map(|path| path.join(FILE_NAME)).find(|path| path.is_file());
     let text = own.map_or_else(|| Ok(String::new()), |path| text_of(&path))?;
     // Sources and tables are now in the folder itself. Only statement lists have mnemonics.
@@ -83,16 +95,48 @@ fn settings(args: &ConvertArgs, parsed: &pipeline::Parsed, to: Option<ConvertTo>
     let names_cpu =
         parsed.project.as_ref().is_some_and(|project| project.cpu.is_some()) || cpu_of_pragmas(parsed).is_some();
     // Statement lists and charts of S7-GRAPH imply an S7-300, others a CPU of the TIA Portal.
-    let implies_another = match to {
-        None | Some(ConvertTo::Stl | ConvertTo::Gr7 | ConvertTo::Awl | ConvertTo::Plcopen) => false,
-        Some(ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Xml) => true,
-    };
-    if !names_cpu && implies_another {
-        let named = args.cpu.as_deref().and_then(profile::lookup);
-        let cpu = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units));
-        text = format!("cpu = \"{}\"\n{text}", cpu.name);
+    let of_portal = made.filter(|(to, _)| match to {
+        ConvertTo::Stl | ConvertTo::Gr7 | ConvertTo::Awl | ConvertTo::Plcopen => false,
+        ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Xml => true,
+    });
+    if let Some((to, files)) = of_portal
+        && !names_cpu
+    {
+        let told = args.cpu.as_deref().and_then(profile::lookup);
+        let implied = || Some(plcc_program::implied_profile(&parsed.units));
+        if let Some(cpu) = told.or_else(|| implied().filter(|cpu| !keeps_rules(parsed, (to, files), cpu))) {
+            text = format!("cpu = \"{}\"\n{text}", cpu.name);
+        }
     }
     Ok(text)
+}
+
+/// Whether the new files follow the rules of the sources if nothing names a CPU: all blocks are of the TIA Portal, and the files imply the
+/// same CPU as the sources, `implied`. Its name would choose the rules of an S7-300, which are stricter.
+fn keeps_rules(parsed: &pipeline::Parsed, (to, files): (ConvertTo, &[Converted]), implied: &Profile) -> bool {
+    let is_of_portal = |block: &Block| match block {
+        Block::Code(code) => match &code.code {
+            Code::Scl(body) => body.dialect == scl::ast::Dialect::Tia,
+            Code::Graphic(_) => true,
+            Code::Chart(body) => body.dialect != chart::ast::Dialect::Classic,
+            Code::Stl(_) => false,
+        },
+        Block::Data(_) | Block::Type(_) => true,
+    };
+    if !parsed.units.iter().flat_map(|(_, unit)| &unit.blocks).all(is_of_portal) {
+        return false;
+    }
+    let options =
+        ReadOptions { language: plcc_syntax::Language::of_extension(to.extension()), ..ReadOptions::default() };
+    let mut sources = SourceMap::default();
+    let units: Vec<_> = files
+        .iter()
+        .map(|file| {
+            let id = sources.add(SourceFile::new(file.name.as_str(), file.text.as_str()));
+            (id, plcc_readers::parse(id, &file.text, &options).0)
+        })
+        .collect();
+    plcc_program::implied_profile(&units) == *implied
 }
 
 /// The CPU of the first source that names one.

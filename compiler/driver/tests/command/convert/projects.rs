@@ -35,6 +35,23 @@ fn instruction_lists_of_projects_become_xml() {
     assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
 }
 
+/// A project of another editor names no CPU. What is made of it names none either, and so computes with bit strings as it does.
+#[test]
+fn projects_without_a_cpu_stay_without_one() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/bit-strings");
+    let project = project.display().to_string();
+    for notation in ["sd", "scl", "xml"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let folder = folder.path();
+        let made = plcc(folder, &["convert", &project, "--to", notation, "-o", "made/"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it is written");
+        assert_eq!(settings, "name = \"bit-strings\"\n", "{notation}");
+        let checked = plcc(folder, &["check", "made"]);
+        assert_eq!(checked.status.code(), Some(0), "{notation}: {}", text(&checked.stderr));
+    }
+}
+
 /// Comments in the ST of charts stay when these become GRAPH.
 #[test]
 fn comments_of_charts_of_projects_stay() {
