@@ -63,7 +63,24 @@ impl<'a> Writer<'a> {
         let same = |text: &&str| plcc_syntax::literal::parse(text).as_ref() == Ok(value);
         let has_area = matches!(value, Literal::AreaPointer { .. } | Literal::Any(_));
         let text = self.source.filter(|_| !has_area).and_then(|source| source.get(span.range()));
-        text.filter(same).map_or_else(|| literal::stl(value, self.mnemonics), str::to_string)
+        text.filter(same).map_or_else(|| self.usual(span, value), str::to_string)
+    }
+
+    fn usual(&self, span: Span, value: &Literal) -> String {
+        match value {
+            Literal::Real(number) if self.notation != Notation::Stl => self.number(span, *number),
+            _ => literal::stl(value, self.mnemonics),
+        }
+    }
+
+    /// A number of a statement list with the digits of its author, all of which an LREAL has. `nearest`: its value as a REAL.
+    pub fn number(&self, span: Span, nearest: f32) -> String {
+        let text = self.trivia.source().get(span.range()).unwrap_or_default();
+        let digits: String = text.rsplit('#').next().unwrap_or_default().replace(['_', ' '], "");
+        match digits.parse::<f64>() {
+            Ok(value) if value as f32 == nearest => literal::real(value, &format!("{value:?}")),
+            _ => literal::real(f64::from(nearest), &format!("{nearest:?}")),
+        }
     }
 
     /// Something that the notation cannot say.

@@ -455,10 +455,9 @@ fn flatten<'a>(value: &'a InitialValue, flat: &mut Vec<&'a InitialValue>) -> boo
     }
 }
 
-/// The value of a constant of STL without the type of its member in front of it: `2.5` of `REAL#2.5`.
+/// The value of a constant of STL without the type of its member in front of it: `16#1F` of `B#16#1F`.
 fn without_type(text: String, value: &InitialValue, ty: &TypeRef) -> String {
-    const WORDS: [(&str, &str); 6] =
-        [("BYTE", "B"), ("WORD", "W"), ("DWORD", "DW"), ("INT", "INT"), ("DINT", "L"), ("REAL", "REAL")];
+    const WORDS: [(&str, &str); 5] = [("BYTE", "B"), ("WORD", "W"), ("DWORD", "DW"), ("INT", "INT"), ("DINT", "L")];
     let (InitialKind::Literal(_), TypeKind::Named(name)) = (&value.kind, &ty.kind) else { return text };
     let Some((long, short)) = WORDS.iter().find(|(long, _)| long == name) else { return text };
     let typed = text.split_once('#').filter(|(word, _)| [long, short].iter().any(|own| word.eq_ignore_ascii_case(own)));
@@ -474,6 +473,7 @@ fn text(value: &InitialValue, writer: &mut Writer) -> Option<String> {
         InitialKind::Expr(value) => Some(expression::text(value, writer)),
         // Expressions of networks have no such constants.
         InitialKind::Literal(literal @ Literal::DateAndTime(_)) => Some(writer.slice(value.span, literal)),
+        InitialKind::Literal(Literal::Real(number)) => Some(writer.number(value.span, *number)),
         InitialKind::Literal(literal) => {
             let value = crate::to_graph::constant(literal, value.span).ok()?;
             Some(expression::text(&value, writer))

@@ -5,6 +5,22 @@ use std::path::Path;
 
 use super::{expect, plcc, programs, text};
 
+/// An LREAL has more digits than the constants of statement lists.
+#[test]
+fn start_values_keep_the_digits_of_an_lreal() {
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/data/lreal_start_values.stl");
+    let list = list.display().to_string();
+    for notation in ["xml", "lad"] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let folder = folder.path();
+        let made = plcc(folder, &["convert", &list, "--to", notation, "-o", "made/"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let tested = plcc(folder, &["test", "made"]);
+        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(found.contains("5 passed, 0 failed"), "{notation}: {found}");
+    }
+}
+
 #[test]
 fn sources_of_the_s7_200_have_both_mnemonics() {
     expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");
