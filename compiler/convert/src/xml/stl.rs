@@ -4,9 +4,10 @@ use plcc_syntax::ast::{
     AddressRegister, Area, BlockName, Bound, Call, CellKind, CodeBlock, Operand, OperandKind, Path, PathPart, PathRoot,
     SpecialRegister, Statement, StatementKind, StatusOperand, Width,
 };
+use plcc_syntax::scl::ast::NameForm;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 
-use super::access::{address, area_name};
+use super::access::{Whose, address, area_name, whose};
 use super::{Library, Uids, comment_text, referred};
 use crate::node::Node;
 use crate::operand;
@@ -361,8 +362,8 @@ impl Maker<'_, '_, '_> {
             PathRoot::Local { name, .. } => (true, name.clone()),
             PathRoot::Quoted { name, .. } => (false, name.clone()),
             PathRoot::Bare { name, .. } => {
-                let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
-                (variables.any(|variable| variable.name.eq_ignore_ascii_case(name)), name.clone())
+                let is_local = whose(name, NameForm::Bare, self.block) != Whose::Global;
+                (is_local, name.clone())
             }
             PathRoot::Block(name) => (false, referred(name, self.library, self.writer)),
         };

@@ -21,6 +21,19 @@ fn start_values_keep_the_digits_of_an_lreal() {
     }
 }
 
+/// `RET_VAL` without `#` is the value of the function, not a symbol of the program.
+#[test]
+fn values_of_functions_without_a_mark_are_local_in_xml() {
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/german/like_addresses.stl");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &list.display().to_string(), "--to", "xml", "-o", "made/"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "made"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("1 passed, 0 failed"), "{found}");
+}
+
 #[test]
 fn sources_of_the_s7_200_have_both_mnemonics() {
     expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");
