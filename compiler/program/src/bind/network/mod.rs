@@ -128,13 +128,15 @@ impl NetworkBinder<'_, '_> {
             self.not_bound(span);
         }
         self.scl().unused_data(ctx, block, networks.networks.is_empty());
+        // In SIMATIC SD a block in SCL has networks, too.
+        let is_scl = networks.networks.iter().all(|network| matches!(network.content, Content::Scl(_)));
         SclBody {
             statements,
             sets_flag: true,
             calls_set_flag: true,
             temporary_texts: temporary::texts(&ctx.block.bound),
             networks: networks.networks.iter().map(|network| network.span.start).collect(),
-            inputs_in_place: ctx.scope.rules.is_300(),
+            inputs_in_place: ctx.scope.rules.is_300() && !is_scl,
             named_dbs: std::mem::take(&mut ctx.scope.named_dbs),
         }
     }
