@@ -42,6 +42,8 @@ pub struct Meant {
 const BLOCKS: [&str; 5] = ["ORGANIZATION_BLOCK", "FUNCTION_BLOCK", "FUNCTION", "DATA_BLOCK", "TYPE"];
 const BLOCK_ENDS: [&str; 5] =
     ["END_ORGANIZATION_BLOCK", "END_FUNCTION_BLOCK", "END_FUNCTION", "END_DATA_BLOCK", "END_TYPE"];
+/// What ends a block for those who do not think of its kind.
+pub const ANY_BLOCK_END: &str = "END_BLOCK";
 const SECTIONS: [&str; 5] = ["VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR_TEMP", "VAR"];
 const SECTION_ENDS: [&str; 2] = ["END_VAR", "END_STRUCT"];
 /// Words that end something else, so that they are not taken for the end of a block.
@@ -140,7 +142,7 @@ enum Area {
 
 /// Finds the misspelt keywords of frames among `count` tokens.
 pub fn find<'a>(count: usize, seen: impl Fn(usize) -> Seen<'a>) -> Vec<Meant> {
-    let mut scan = Scan { count, seen, area: Area::Outside, structures: 0, in_var: false };
+    let mut scan = Scan { count, seen, area: Area::Outside, block_end: None, structures: 0, in_var: false };
     let mut found = Vec::new();
     let mut at = 0;
     while at < count {
@@ -168,6 +170,8 @@ struct Scan<F> {
     count: usize,
     seen: F,
     area: Area,
+    /// What ends the block that is open.
+    block_end: Option<&'static str>,
     /// Number of STRUCTs that are open.
     structures: usize,
     /// The declarations are those of a VAR section.
@@ -204,6 +208,9 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
     }
 
     fn enter(&mut self, keyword: &'static str) {
+        if let Some(block) = BLOCKS.iter().position(|block| *block == keyword) {
+            self.block_end = Some(BLOCK_ENDS[block]);
+        }
         self.area = match keyword {
             "BEGIN" if self.area != Area::Outside => Area::Code,
             "NETWORK" if self.area != Area::Section => Area::Code,
@@ -315,6 +322,9 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
             || next == Some(Shape::Semicolon) && self.ends_line(at + 2)
             || self.get(at + 1).is_some_and(|next| BLOCKS.iter().any(|block| block.eq_ignore_ascii_case(next.text)));
         if self.area != Area::Outside && alone && token.text.len() > 5 && token.text.starts_with(['E', 'e', 'N', 'n']) {
+            if token.text.eq_ignore_ascii_case(ANY_BLOCK_END) {
+                return meant(1, self.block_end?);
+            }
             let all = BLOCK_ENDS.iter().chain(&STATEMENT_ENDS).chain(&SECTION_ENDS).copied();
             let keyword = alias(token.text).filter(|keyword| keyword.starts_with("END_"));
             let keyword = keyword.or_else(|| slip_of(token.text, all))?;
@@ -347,7 +357,7 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
         ends.unwrap_or(true)
     }
 
-    /// `FUNCTION BLOCK FB 1`, `VAR INPUT`, `END VAR`, `END FUNCTION BLOCK`.
+    /// `FUNCTION BLOCK FB 1`, `VAR INPUT`, `END VAR`, `END FUNCTION BLOCK`, `END BLOCK`.
     fn two_words(&self, at: usize, token: Seen<'a>) -> Option<Meant> {
         let next = self.beside(at + 1).filter(|next| next.shape == Shape::Word)?;
         if token.text.eq_ignore_ascii_case("END") {
@@ -357,7 +367,10 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
                 None => format!("END_{}", next.text),
             };
             let ends = BLOCK_ENDS.iter().chain(&SECTION_ENDS).copied();
-            let keyword = ends.into_iter().find(|keyword| keyword.eq_ignore_ascii_case(&words))?;
+            let keyword = match words.eq_ignore_ascii_case(ANY_BLOCK_END) {
+                true => self.block_end.filter(|_| self.area != Area::Outside)?,
+                false => ends.into_iter().find(|keyword| keyword.eq_ignore_ascii_case(&words))?,
+            };
             return Some(Meant { first: at, count: if third.is_some() { 3 } else { 2 }, keyword });
         }
         let starts = at == 0 || token.first_on_line;

@@ -32,6 +32,15 @@ impl BlockKind {
             BlockKind::Interrupt => "INTERRUPT_BLOCK",
         }
     }
+
+    /// The word that ends a block.
+    pub const fn end_keyword(self) -> &'static str {
+        match self {
+            BlockKind::Main => "END_ORGANIZATION_BLOCK",
+            BlockKind::Subroutine => "END_SUBROUTINE_BLOCK",
+            BlockKind::Interrupt => "END_INTERRUPT_BLOCK",
+        }
+    }
 }
 
 /// A program block.

@@ -174,7 +174,7 @@ impl Builder<'_> {
         if let Some(open) = &self.open
             && !open.block.is_bare
         {
-            let (span, help) = (open.block.span, format!("end it with `{}`", end_keyword(open.block.kind)));
+            let (span, help) = (open.block.span, format!("end it with `{}`", open.block.kind.end_keyword()));
             self.report(Code::BlockFrame, span, "this block is not closed", "begins here", &help);
         }
         self.finish();
@@ -224,13 +224,13 @@ impl Builder<'_> {
             Some(open) if !open.block.is_bare => {
                 let own = open.block.kind;
                 if own != kind {
-                    let title = format!("`{}` cannot end this block", end_keyword(kind));
-                    let help = format!("write `{}`", end_keyword(own));
+                    let title = format!("`{}` cannot end this block", kind.end_keyword());
+                    let help = format!("write `{}`", own.end_keyword());
                     self.report(Code::BlockFrame, span, title, "the end of another kind of block", &help);
                 }
             }
             _ => {
-                let title = format!("`{}` ends nothing", end_keyword(kind));
+                let title = format!("`{}` ends nothing", kind.end_keyword());
                 let help = format!("the block begins with `{} name:{}`", kind.keyword(), letters(kind, 0));
                 self.report(Code::BlockFrame, span, title, "no block with a header is open", &help);
             }
@@ -478,14 +478,6 @@ impl Builder<'_> {
         if let Some(network) = networks.last_mut() {
             network.statements.push(statement);
         }
-    }
-}
-
-fn end_keyword(kind: BlockKind) -> &'static str {
-    match kind {
-        BlockKind::Main => "END_ORGANIZATION_BLOCK",
-        BlockKind::Subroutine => "END_SUBROUTINE_BLOCK",
-        BlockKind::Interrupt => "END_INTERRUPT_BLOCK",
     }
 }
 

@@ -55,6 +55,7 @@ impl<'a> Classifier<'a, '_> {
                 "END_SUBROUTINE" | "END_SBR" => Some("END_SUBROUTINE_BLOCK"),
                 "END_INTERRUPT" | "END_INT" => Some("END_INTERRUPT_BLOCK"),
                 "END_DATA" => Some("END_DATA_BLOCK"),
+                frame_words::ANY_BLOCK_END => self.block_end,
                 _ => frame_words::slip_of(word, ALONE),
             },
             [_, next, ..] if word.len() > LENGTH_LEAST && next.kind == RawKind::Word => {
@@ -116,6 +117,9 @@ impl<'a> Classifier<'a, '_> {
             }
             _ => return false,
         };
+        if matches!(token, Tok::EndBlock(_) | Tok::EndData) {
+            self.block_end = None;
+        }
         self.mode = mode;
         self.push(first.range(), token);
         // Users of other controllers write `END_VAR;`.
@@ -144,6 +148,7 @@ impl<'a> Classifier<'a, '_> {
         self.foreign(keyword, &format!("the S7-200 has no `{}`", keyword.text(self.text)), &help);
         self.mode = Mode::Code;
         self.in_function = true;
+        self.block_end = Some(BlockKind::Subroutine.end_keyword());
         self.push(keyword.range(), Tok::Header(BlockKind::Subroutine));
         self.push(name.range(), Tok::Name(written));
         true
@@ -153,6 +158,7 @@ impl<'a> Classifier<'a, '_> {
     fn header(&mut self, token: Tok<'a>, code: &[RawToken]) -> bool {
         self.in_function = false;
         self.mode = if token == Tok::DataHeader { Mode::Data } else { Mode::Code };
+        self.block_end = Some(if let Tok::Header(kind) = token { kind.end_keyword() } else { "END_DATA_BLOCK" });
         let (Some(first), Some(last)) = (code.first(), code.last()) else { return false };
         self.push(first.range(), token);
         if self.mode == Mode::Data {
@@ -207,6 +213,7 @@ impl<'a> Classifier<'a, '_> {
         self.report(message);
         self.mode = Mode::Code;
         self.in_function = false;
+        self.block_end = Some(kind.end_keyword());
         let start = name.range().start;
         self.push(start..start, Tok::Header(kind));
         let (first, second) = (self.block_name(name.text(self.text)), self.block_name(number.text(self.text)));

@@ -60,6 +60,7 @@ pub fn classify<'a>(
         end: 0,
         parentheses: 0,
         in_function: false,
+        block_end: None,
         classified,
     };
     for line in lines {
@@ -86,6 +87,7 @@ pub fn classify_assertion<'a>(
         end: 0,
         parentheses: 0,
         in_function: false,
+        block_end: None,
         classified,
     };
     classifier.operands(tokens);
@@ -106,6 +108,8 @@ struct Classifier<'a, 'd> {
     parentheses: usize,
     /// In a FUNCTION or FUNCTION_BLOCK, which was reported and is read as a subroutine.
     in_function: bool,
+    /// What ends the block that is open.
+    block_end: Option<&'static str>,
     classified: Classified<Tok<'a>>,
 }
 
