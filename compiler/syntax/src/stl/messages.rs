@@ -133,25 +133,25 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
         (Tok::Literal(_), Tok::Name(name), _) if adjacent => {
             let number = &state.text[*b_start..*before_end];
             let upper = name.to_ascii_uppercase();
-            let digits = upper.strip_prefix('X').filter(|digits| digits.chars().all(|digit| digit.is_ascii_hexdigit()));
-            let binary =
-                upper.strip_prefix('B').filter(|digits| digits.bytes().all(|digit| matches!(digit, b'0' | b'1')));
-            let (title, help) = match digits {
-                _ if number == "0" && binary.is_some_and(|digits| !digits.is_empty()) => {
-                    ("a binary number begins with `2#`", format!("write `2#{}`", &upper[1..]))
-                }
-                Some(digits) if number == "0" && (1..=8).contains(&digits.len()) => {
-                    let prefix = match digits.len() {
-                        1 | 2 => "B#16#",
-                        3 | 4 => "W#16#",
-                        _ => "DW#16#",
-                    };
-                    ("a hexadecimal number begins with `16#`", format!("write `{prefix}{digits}`"))
+            let digits = upper.strip_prefix('X').filter(|_| number == "0");
+            let bits = upper.strip_prefix('B').filter(|bits| number == "0" && !bits.is_empty());
+            let is_of = |base: u32, digits: &str| digits.chars().all(|digit| digit.is_digit(base));
+            let (title, help) = match (digits, bits) {
+                (_, Some(bits)) if is_of(2, bits) => ("a binary number begins with `2#`", format!("write `2#{bits}`")),
+                (_, Some(bits)) if is_of(10, bits) => (
+                    "a binary number begins with `2#`",
+                    format!("its digits are 0 and 1; if `{bits}` is a hexadecimal number, write `16#{bits}`"),
+                ),
+                (Some(digits), _) if let Some(written) = suggest::hexadecimal(digits) => {
+                    ("a hexadecimal number begins with `16#`", format!("write `{written}`"))
                 }
                 _ if ["MS", "S", "M", "H", "D"].contains(&upper.as_str()) => (
                     "a time begins with `S5T#` or `T#`",
                     format!("write `S5T#{number}{upper}` for a timer of the CPU, `T#{number}{upper}` for a TIME"),
                 ),
+                _ if let Some(written) = suggest::hexadecimal(&format!("{number}{upper}")) => {
+                    ("a hexadecimal number begins with `16#`", format!("write `{written}`"))
+                }
                 _ => return None,
             };
             told(Code::ForeignForm, *b_start..*end, title.to_owned(), "not a constant of STL", help)

@@ -112,6 +112,17 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("DTI", "a DINT from -32768 to 32767 has its INT in the low word already: remove this, and test the range before"),
 ];
 
+/// The constant of STL with up to 8 hexadecimal digits; none: these are others, or more.
+pub fn hexadecimal(digits: &str) -> Option<String> {
+    let prefix = match digits.len() {
+        1 | 2 => "B#16#",
+        3 | 4 => "W#16#",
+        5..=8 => "DW#16#",
+        _ => return None,
+    };
+    digits.bytes().all(|digit| digit.is_ascii_hexdigit()).then(|| format!("{prefix}{digits}"))
+}
+
 /// Words that users write for the area of an address, with its letter in the international and the German mnemonics.
 const AREA_WORDS: &[(&str, &str, &str)] = &[
     ("TIMER", "T", "T"),

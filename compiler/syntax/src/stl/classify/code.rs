@@ -375,16 +375,14 @@ impl<'a> Classifier<'a, '_> {
             return false;
         }
         match self.kind_at(index) {
-            // `5s` is meant as a time, `0xFF` as a number.
+            // `5s` is meant as a time, `0xFF` and `1F` as numbers.
             Some(RawKind::Word)
-                if index > 0 && self.kind_at(index - 1) == Some(RawKind::Number) && self.adjacent(index - 1) =>
+                if index > 0
+                    && self.kind_at(index - 1) == Some(RawKind::Number)
+                    && self.adjacent(index - 1)
+                    && self.belongs_to_number(index) =>
             {
-                let word = self.upper(index);
-                let digits = word.as_str().strip_prefix('X').filter(|_| self.slice(self.raw[index - 1]) == "0");
-                let binary = word.as_str().strip_prefix('B').filter(|_| self.slice(self.raw[index - 1]) == "0");
-                let is_number = digits.is_some_and(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()))
-                    || binary.is_some_and(|digits| digits.bytes().all(|digit| matches!(digit, b'0' | b'1')));
-                !is_number && !["MS", "S", "M", "H", "D"].contains(&word.as_str())
+                false
             }
             Some(RawKind::Word) => {
                 let next = self.kind_at(index + 1);
@@ -400,6 +398,18 @@ impl<'a> Classifier<'a, '_> {
             Some(_) if !self.is_literal(index) => self.mnemonic_at(index).is_some(),
             _ => false,
         }
+    }
+
+    /// Whether the word at `index`, directly after a number, is meant as a part of it.
+    fn belongs_to_number(&self, index: usize) -> bool {
+        let upper = self.upper(index);
+        let word = upper.as_str();
+        let is_hexadecimal = |digits: &str| digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+        let is_binary = |digits: &str| digits.bytes().all(|digit| matches!(digit, b'0' | b'1'));
+        let of_base = self.slice(self.raw[index - 1]) == "0"
+            && (word.strip_prefix('X').is_some_and(is_hexadecimal) || word.strip_prefix('B').is_some_and(is_binary));
+        let is_unit = ["MS", "S", "M", "H", "D"].contains(&word);
+        of_base || is_unit || !word.is_empty() && is_hexadecimal(word) && self.ends_before(index + 1)
     }
 
     /// Whether the word at `index` ends the code or begins a network.

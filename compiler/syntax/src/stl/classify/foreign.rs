@@ -369,7 +369,7 @@ impl<'a> Classifier<'a, '_> {
     }
 
     /// Whether a statement ends before the token at `index`.
-    fn ends_before(&self, index: usize) -> bool {
+    pub(super) fn ends_before(&self, index: usize) -> bool {
         self.raw_at(index).is_none_or(|token| token.first_on_line || token.kind == RawKind::Semicolon)
     }
 

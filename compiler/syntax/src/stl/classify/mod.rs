@@ -24,12 +24,13 @@ mod parentheses;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
-use crate::front::{self, Classified, Cursor, frame};
+use crate::front::{self, Classified, Cursor, extent, frame};
 use crate::literal::{self, Literal};
 use crate::scl;
 use crate::stl::Mnemonics;
 use crate::stl::mnemonics::{Detected, Upper};
 use crate::stl::raw::{self, RawKind, RawText};
+use crate::stl::suggest;
 use crate::stl::token::Tok;
 
 /// A longer list of attributes before a block is not looked through for its end.
@@ -316,19 +317,15 @@ impl<'a> Classifier<'a, '_> {
             RawKind::UnterminatedQuoted => front::unterminated_name(span, "symbol"),
             RawKind::Stray => {
                 let language = "STL outside texts and comments";
-                let digits =
-                    self.raw.get(self.at + 1).filter(|next| next.start == token.end).map(|next| self.slice(*next));
-                let digits = digits.filter(|digits| slice == "$" && (1..=8).contains(&digits.len()));
-                if let Some(digits) = digits.filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit())) {
-                    let prefix = match digits.len() {
-                        1 | 2 => "B#16#",
-                        3 | 4 => "W#16#",
-                        _ => "DW#16#",
-                    };
+                let after = &self.text[token.end as usize..];
+                let digits = &after[..extent::word(after)];
+                if slice == "$"
+                    && let Some(written) = suggest::hexadecimal(digits)
+                {
                     self.report(
                         Diagnostic::new(Code::ForeignForm, span, "a hexadecimal number begins with `16#`")
                             .label("not a constant of STL")
-                            .help(format!("write `{prefix}{digits}`")),
+                            .help(format!("write `{written}`")),
                     );
                     return self.skip_stray();
                 }

@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic};
 use super::declaration::sign;
 use super::{Classifier, unquoted};
 use crate::ast::{Area, AssertRegister, BlockPrefix, StatusOperand, Width};
-use crate::front::foreign_address;
+use crate::front::{extent, foreign_address};
 use crate::stl::mnemonics::{self, letters_and_digits};
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
@@ -68,7 +68,7 @@ impl<'a> Classifier<'a, '_> {
                 self.address(token);
             }
             RawKind::Number | RawKind::Real if matches!(self.last(), Some(Tok::Dot)) => self.number_after_dot(token),
-            RawKind::Word if self.foreign_address(token) || self.step5(token) => {}
+            RawKind::Word if self.foreign_address(token) || self.step5(token) || self.base_without_sign(token) => {}
             _ if self.is_literal(self.at) => self.literal(),
             RawKind::Word => self.operand_word(token),
             RawKind::Quoted => {
@@ -147,6 +147,34 @@ impl<'a> Classifier<'a, '_> {
             Diagnostic::new(Code::ForeignForm, self.span_of(start, end), title)
                 .label("STEP 7 has other constants and flags, and counts the bytes of a data block")
                 .help(format!("write `{written}`")),
+        );
+        while self.raw_at(self.at).is_some_and(|token| (token.start as usize) < end) {
+            self.at += 1;
+        }
+        self.push(start, Tok::BadOperand, end);
+        true
+    }
+
+    /// `W16#FF` for `W#16#FF`.
+    fn base_without_sign(&mut self, token: RawToken) -> bool {
+        let upper = self.upper(self.at);
+        let letters = upper.as_str().strip_suffix("16").unwrap_or_default();
+        let is_type = matches!(letters, "B" | "W" | "DW" | "BYTE" | "WORD" | "DWORD");
+        if !is_type || self.kind_at(self.at + 1) != Some(RawKind::Hash) || !self.adjacent(self.at) {
+            return false;
+        }
+        let (start, hash) = (token.start as usize, token.end as usize);
+        let digits = &self.text[hash + 1..];
+        let digits = &digits[..extent::word(digits)];
+        if digits.is_empty() {
+            return false;
+        }
+        let end = hash + 1 + digits.len();
+        let title = format!("`{}` is not a constant as STEP 7 writes it", &self.text[start..end]);
+        self.report(
+            Diagnostic::new(Code::BadLiteral, self.span_of(start, end), title)
+                .label("`#` is missing before the base")
+                .help(format!("write `{letters}#16#{digits}`")),
         );
         while self.raw_at(self.at).is_some_and(|token| (token.start as usize) < end) {
             self.at += 1;
