@@ -56,27 +56,36 @@ const FORM: &str = "write `P#10.3`, `P#M 10.0`, `P#DB10.DBX 20.0`, or with type 
 
 /// `10.3`, `M 10.0`, `DB10.DBX 20.0`, `DB11.DBX 20.0 INT 10`.
 pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
-    let malformed = |label: &str| LiteralError::malformed(text, label, FORM);
     let (db, rest) = data_block(text, value)?;
+    let malformed = |label: &str| {
+        let help = match meant(text, rest, db.is_some()) {
+            Some(meant) => format!("write `{meant}`"),
+            None => FORM.to_owned(),
+        };
+        LiteralError::malformed(text, label, help)
+    };
     let letters = rest.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len());
     let is_name = letters > 0
         && (rest[letters..].starts_with('_')
             || AREAS.iter().all(|(name, _)| !name.eq_ignore_ascii_case(&rest[..letters])));
-    if db.is_some() && is_name {
+    if db.is_some() && is_name && meant(text, rest, true).is_none() {
         return Err(LiteralError::malformed(text, "the name of a variable instead of its address", NAME_FORM));
     }
-    let (area, rest) = (&rest[..letters], rest[letters..].trim_start());
-    let mut words = rest.split_ascii_whitespace();
+    let area = &rest[..letters];
+    let code = AREAS.iter().find(|(name, _)| name.eq_ignore_ascii_case(area)).map(|(_, code)| *code);
+    if code.is_none() && !area.is_empty() {
+        return Err(malformed(&format!("`{area}` is not an area")));
+    }
+    let mut words = rest[letters..].split_ascii_whitespace();
     let address = words.next().ok_or_else(|| malformed("not an address"))?;
-    let bits = address_bits(text, address)?;
-    if area.is_empty() {
+    let (byte, bit) = address.split_once('.').ok_or_else(|| malformed("the bit number is missing"))?;
+    let bits = address_bits(text, byte, bit)?;
+    let Some(code) = code else {
         return match (db, words.next()) {
             (None, None) => Ok(Literal::Pointer(bits)),
             _ => Err(malformed("the area is missing")),
         };
-    }
-    let code = AREAS.iter().find(|(name, _)| name.eq_ignore_ascii_case(area)).map(|(_, code)| *code);
-    let code = code.ok_or_else(|| malformed(&format!("`{area}` is not an area")))?;
+    };
     if db.is_some() && !matches!(code, 0x84 | 0x85) {
         return Err(malformed("`DBX` must follow the data block"));
     }
@@ -111,7 +120,10 @@ fn data_block<'t>(text: &str, value: &'t str) -> Result<(Option<u16>, &'t str), 
     }
     let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
     let Some(address) = rest[digits..].trim_start().strip_prefix('.') else {
-        return Err(LiteralError::malformed(text, "not an address", FORM));
+        let (block, tail) = text.split_at(text.len() - rest[digits..].len());
+        let is_whole = prefix.eq_ignore_ascii_case("DB") && (tail.is_empty() || tail.starts_with([' ', '\t']));
+        let help = if is_whole { format!("write `{block}.DBX 0.0{tail}`") } else { FORM.to_owned() };
+        return Err(LiteralError::malformed(text, "not an address", help));
     };
     // `P#DB 5.3` does not occur: an area follows the dot.
     let number = rest[..digits]
@@ -120,11 +132,40 @@ fn data_block<'t>(text: &str, value: &'t str) -> Result<(Option<u16>, &'t str), 
     Ok((Some(number), address.trim_start()))
 }
 
-/// `10.3` as bits.
-fn address_bits(text: &str, address: &str) -> Result<u32, LiteralError> {
-    let (byte, bit) = address
-        .split_once('.')
-        .ok_or_else(|| LiteralError::malformed(text, "the bit number is missing", format!("write `{text}.0`")))?;
+/// The pointer that is meant where an address has the letters of a width or no bit, or no area follows a data block: `P#M 10.0` for
+/// `P#MW 10`. `rest` is the end of `text`, from the letters of the area on.
+fn meant(text: &str, rest: &str, in_block: bool) -> Option<String> {
+    let before = &text[..text.len() - rest.len()];
+    let letters = rest.find(|c: char| !c.is_ascii_alphabetic())?;
+    let (area, address) = rest.split_at(letters);
+    let (blanks, address) = address.split_at(address.len() - address.trim_start().len());
+    let end = address.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(address.len());
+    let (number, tail) = address.split_at(end);
+    let bit = match number.split_once('.') {
+        Some((byte, bit)) if byte.is_empty() || bit.is_empty() || bit.contains('.') => return None,
+        Some(_) => "",
+        None if number.is_empty() => return None,
+        None => ".0",
+    };
+    let meant = match area.to_ascii_uppercase().as_str() {
+        "" if in_block => format!("{before}DBX {number}{bit}{tail}"),
+        "DBB" | "DBW" | "DBD" => format!("{before}DBX{blanks}{number}{bit}{tail}"),
+        "DIB" | "DIW" | "DID" => format!("{before}DIX{blanks}{number}{bit}{tail}"),
+        upper if AREAS.iter().any(|(name, _)| *name == upper) || upper.is_empty() => {
+            format!("{before}{area}{blanks}{number}{bit}{tail}")
+        }
+        upper => {
+            let area = upper.strip_suffix(['B', 'W', 'D']).filter(|_| !in_block)?;
+            let area = if ["PI", "PE", "PQ", "PA"].contains(&area) { "P" } else { area };
+            let known = area.len() == 1 && AREAS.iter().any(|(name, _)| *name == area);
+            known.then(|| format!("{before}{area}{blanks}{number}{bit}{tail}"))?
+        }
+    };
+    (meant != text).then_some(meant)
+}
+
+/// Byte and bit as bits.
+fn address_bits(text: &str, byte: &str, bit: &str) -> Result<u32, LiteralError> {
     let digits = |number: &str| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
     if !digits(byte) || !digits(bit) {
         return Err(LiteralError::malformed(text, "not an address", FORM));
