@@ -82,6 +82,9 @@ const SOURCES: &[(Language, &str)] = &[
 /// SFCs and SFBs from this number on are instructions of the TIA Portal. No program calls them by number.
 pub const TIA_NUMBERS: u16 = 1000;
 
+/// SFCs from this number on are parts of other blocks of the library, which no program calls.
+const PART_NUMBERS: u16 = 2000;
+
 /// The actual name of a component of an SFB's instance that programs call by another name, as exports of the TIA Portal do.
 ///
 /// `instance`: whether an SFB, and the number. The counters of one type share a layout, in which QU and QD are separate outputs.
@@ -159,6 +162,11 @@ impl SystemBlock {
     /// True of instructions of the TIA Portal, which have no number for the user.
     pub fn is_tia(&self) -> bool {
         self.number >= TIA_NUMBERS && matches!(self.class, BlockClass::Sfc | BlockClass::Sfb)
+    }
+
+    /// True of a part of other blocks, which only the library calls.
+    pub fn is_part(&self) -> bool {
+        self.number >= PART_NUMBERS && self.class == BlockClass::Sfc
     }
 }
 
@@ -346,6 +354,8 @@ mod tests {
         assert_eq!(find(BlockClass::Sfc, 64).map(|block| block.form), Some(Form::Runtime));
         assert_eq!(find(BlockClass::Sfc, 78).map(|block| block.form), Some(Form::NotShipped));
         assert!(find(BlockClass::Sfc, 9999).is_none());
+        assert!(find_tia("JOB_STATE").is_some_and(|block| block.is_part()));
+        assert!(find_tia("FileDelete").is_some_and(|block| !block.is_part()));
         assert_eq!(find_named(BlockClass::Fb, 14).map(|block| block.name), Some("GET"));
         assert_eq!(find_named(BlockClass::Fc, 5).map(|block| block.name), Some("AG_SEND"));
     }

@@ -18,9 +18,6 @@ const CHAPTERS: [(&str, BlockClass, bool); 6] = [
     ("Instructions of the TIA Portal: function blocks", BlockClass::Sfb, true),
 ];
 
-/// Numbers from here on belong to the library: no program calls them.
-const INTERNAL_NUMBERS: u16 = 2000;
-
 /// The page in Markdown: `docs/reference/stdlib.md`.
 pub fn standard_library() -> String {
     let mut page = String::from(
@@ -36,7 +33,7 @@ pub fn standard_library() -> String {
     for (title, class, tia) in CHAPTERS {
         let chapter = blocks.iter().filter(|block| block.class == class && block.is_tia() == tia);
         let (missing, shipped): (Vec<&SystemBlock>, Vec<&SystemBlock>) =
-            chapter.filter(|block| block.number < INTERNAL_NUMBERS).partition(|block| block.form == Form::NotShipped);
+            chapter.filter(|block| !block.is_part()).partition(|block| block.form == Form::NotShipped);
         let _ = write!(page, "\n## {title}\n");
         for block in shipped {
             describe(&mut page, block);

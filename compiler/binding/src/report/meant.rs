@@ -90,11 +90,8 @@ pub(super) fn register_of_stl(name: &str) -> Option<&'static str> {
 
 /// The system function with this name, in any letter case; parts of library blocks are none.
 pub(super) fn system_function(name: &str) -> Option<&'static str> {
-    const FIRST_PART: u16 = 2000;
     let is = |block: &&plcc_stdlib::SystemBlock| {
-        block.class == plcc_stdlib::BlockClass::Sfc
-            && block.number < FIRST_PART
-            && block.name.eq_ignore_ascii_case(name.trim())
+        block.class == plcc_stdlib::BlockClass::Sfc && !block.is_part() && block.name.eq_ignore_ascii_case(name.trim())
     };
     plcc_stdlib::blocks().iter().find(is).map(|block| block.name)
 }

@@ -94,7 +94,8 @@ impl ChartBinder<'_, '_> {
             // A block of the library, named by its type, or one that is defined nowhere.
             None => {
                 if let NodeKind::Name(name) = &call.block.kind
-                    && self.scl().library_function(ctx.scope.rules, &name.text).is_none()
+                    && (self.program.globals.is_part(&name.text)
+                        || self.scl().library_function(ctx.scope.rules, &name.text).is_none())
                 {
                     self.scl().callee(ctx, &call.block);
                     return None;

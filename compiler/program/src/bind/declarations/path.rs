@@ -123,7 +123,7 @@ impl Declarations<'_> {
             },
             PathRoot::Bare { name, span } => match self.local(ctx, name) {
                 Some(variable) => Resolved::Variable(variable),
-                None if self.globals.global(name).is_none() => {
+                None if self.globals.global_at(name, *span).is_none() => {
                     let locals = ctx.bound.locals.values().map(|local| local.name.as_str());
                     self.globals.unknown_operand(name, *span, locals);
                     return None;
@@ -263,7 +263,7 @@ impl Declarations<'_> {
     }
 
     pub fn resolve_global(&mut self, ctx: &mut CurrentBlock, name: &str, span: Span) -> Option<Resolved> {
-        let Some(target) = self.globals.global(name) else {
+        let Some(target) = self.globals.global_at(name, span) else {
             let locals = ctx.bound.locals.values().map(|local| local.name.as_str());
             self.globals.unknown_name(name, span, locals);
             return None;

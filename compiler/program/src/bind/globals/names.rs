@@ -2,10 +2,12 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_stdlib::SystemBlock;
 use plcc_syntax::ast::{BlockName, BlockPrefix};
 use rustc_hash::FxHashMap;
 
 use crate::bind::globals::Globals;
+use crate::bind::trees::SYSTEM_FILE;
 use plcc_binding::constant::Constants;
 use plcc_binding::{fold, similar};
 use plcc_model::types::Elementary;
@@ -104,7 +106,7 @@ impl Globals<'_> {
     }
 
     pub fn named_block(&mut self, name: &str, span: Span) -> Option<(BlockPrefix, u16)> {
-        match self.global(name) {
+        match self.global_at(name, span) {
             Some(SymbolTarget::Block { prefix, number }) => Some((prefix, number as u16)),
             Some(_) => {
                 self.report.push(
@@ -207,6 +209,23 @@ impl Globals<'_> {
         if let Some(global) = self.names.symbols.get(&fold(name)) {
             return Some(global.target);
         }
+        self.library_symbol(name)
+    }
+
+    /// The same of a name that is written at `span`. A block of the library means others of the library, and only it means their parts.
+    pub fn global_at(&self, name: &str, span: Span) -> Option<SymbolTarget> {
+        match span.file == SYSTEM_FILE {
+            true => self.library_symbol(name).or_else(|| self.global(name)),
+            false => self.global(name).filter(|_| !self.is_part(name)),
+        }
+    }
+
+    /// Whether a name is that of a part of library blocks, and the program has no block of that name: only the library calls it.
+    pub fn is_part(&self, name: &str) -> bool {
+        !self.names.symbols.contains_key(&fold(name)) && plcc_stdlib::find_tia(name).is_some_and(SystemBlock::is_part)
+    }
+
+    fn library_symbol(&self, name: &str) -> Option<SymbolTarget> {
         let name = classic_name(name.trim());
         let block = plcc_stdlib::find_name(name).or_else(|| plcc_stdlib::find_tia(name))?;
         if self.library.is_foreign(block) {

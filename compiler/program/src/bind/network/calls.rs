@@ -190,9 +190,11 @@ impl NetworkBinder<'_, '_> {
     fn is_misnamed(&mut self, callee: &Node, key: BlockKey) -> bool {
         let NodeKind::Name(name) = &callee.kind else { return false };
         let globals = &mut self.program.globals;
-        let is_known = globals.global(&name.text).is_some()
+        let is_known = globals.global(&name.text).is_some() && !globals.is_part(&name.text)
             || block_of_name(name).is_some()
-            || plcc_stdlib::blocks().iter().any(|block| block.name.eq_ignore_ascii_case(&name.text))
+            || plcc_stdlib::blocks()
+                .iter()
+                .any(|block| block.name.eq_ignore_ascii_case(&name.text) && !block.is_part())
             || plcc_stdlib::catalogued(&name.text).is_some();
         if is_known {
             return false;

@@ -16,6 +16,7 @@ use super::Rules;
 use super::function::Named;
 use crate::bind::globals::names::code_kind;
 use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::trees::SYSTEM_FILE;
 
 /// The target of a call.
 pub enum Callee {
@@ -57,7 +58,10 @@ impl SclBinder<'_, '_> {
             return self.block_callee(prefix, number, node.span);
         }
         let rules = ctx.scope.rules;
-        if let Some(global) = self.program.globals.names.symbols.get(&fold(&name.text)) {
+        let of_library = name.span.file == SYSTEM_FILE;
+        // A block of the library means others of the library.
+        let own = !of_library || name.form != NameForm::Bare || !self.is_function(rules, &name.text);
+        if let Some(global) = self.program.globals.names.symbols.get(&fold(&name.text)).filter(|_| own) {
             let target = global.target;
             if name.form != NameForm::Bare || self.is_called(target) || !self.is_function(rules, &name.text) {
                 return match target {
@@ -71,7 +75,8 @@ impl SclBinder<'_, '_> {
         if let Some(named) = Named::find(&name.text).filter(|_| !quoted) {
             return Some(Callee::Function(named));
         }
-        match self.library_function(rules, &name.text) {
+        let is_part = !of_library && self.program.globals.is_part(&name.text);
+        match self.library_function(rules, &name.text).filter(|_| !is_part) {
             Some(key) => self.block_callee(crate::bind::globals::names::kind_prefix(key.kind), key.number, node.span),
             None if local => self.variable_callee(ctx, node),
             None => {

@@ -15,6 +15,7 @@ use super::value::Value;
 use crate::bind::declarations::pointer::pointed_at;
 use crate::bind::declarations::reference::reference_to;
 use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::trees::SYSTEM_FILE;
 use plcc_model::layout;
 use plcc_model::scl::{Access, Base, CompareOp, Complex, Expr, ExprKind, IndexedArea};
 use plcc_model::types::DataType;
@@ -161,7 +162,7 @@ impl SclBinder<'_, '_> {
             argument("ELEMENTS", constant(elements)),
             argument("BYTES", constant(bytes)),
         ];
-        let callee = Box::new(Node { kind: NodeKind::Name(bare(MAKER, span)), span });
+        let callee = Box::new(Node { kind: NodeKind::Name(bare(MAKER, Span::new(SYSTEM_FILE, 0..0))), span });
         match self.call(ctx, &Node { kind: NodeKind::Call { callee, arguments }, span }, false)? {
             Value::Complex { value, ty: DataType::Struct(structure), span } => {
                 Some(Value::Complex { value, ty: reference_to(&structure, ty), span })

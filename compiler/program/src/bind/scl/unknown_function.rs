@@ -54,7 +54,7 @@ impl SclBinder<'_, '_> {
         }
         let own = blocks().filter(|global| matches!(global.target, SymbolTarget::Block { .. }));
         let own: Vec<&str> = own.map(|global| global.name.as_str()).collect();
-        let shipped = plcc_stdlib::blocks().iter().map(|block| block.name);
+        let shipped = plcc_stdlib::blocks().iter().filter(|block| !block.is_part()).map(|block| block.name);
         // A name in quotes is that of a block of the program.
         let meant = match (similar(&name.text, own.into_iter()), name.form) {
             (Some(own), _) => Some(own.to_owned()),
