@@ -117,8 +117,10 @@ impl Scan<'_> {
                     _ if self.kind(index + 1) != Some(RawKind::Colon) => {
                         let call = self.kind(index + 1) == Some(RawKind::LeftParen);
                         // `MCR(` is a mnemonic only with its parenthesis.
-                        let zone = call && self.slice(index).eq_ignore_ascii_case("MCR");
-                        let mnemonic = zone || is_mnemonic(self.slice(index));
+                        let word = self.slice(index);
+                        let zone = call && word.eq_ignore_ascii_case("MCR");
+                        // `SET(lamp)` is a call: of the other mnemonics, only those that open a nesting are before a parenthesis.
+                        let mnemonic = zone || if call { is_mnemonic(&format!("{word}(")) } else { is_mnemonic(word) };
                         stl += usize::from(mnemonic);
                         scl += usize::from(call && !mnemonic);
                     }

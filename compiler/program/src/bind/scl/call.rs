@@ -29,7 +29,7 @@ impl SclBinder<'_, '_> {
         }
         let wide = self.overload(ctx, callee, arguments).map(|key| Callee::Block { key, instance: None });
         if self.cast(ctx, callee, arguments)
-            || self.foreign_function(ctx, callee)
+            || self.foreign_function(ctx, callee, arguments)
             || self.instance_as_argument(ctx, callee, arguments)
         {
             return None;

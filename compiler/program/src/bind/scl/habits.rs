@@ -1,7 +1,7 @@
 //! Calls as other languages write them: `timer(IN = start)`, `printf("x")`.
 
 use plcc_diag::{Code, Diagnostic};
-use plcc_syntax::scl::ast::{Argument as Given, BinaryOp, Expr as Node, ExprKind as NodeKind, NameForm};
+use plcc_syntax::scl::ast::{Argument as Given, BinaryOp, Expr as Node, ExprKind as NodeKind, Name, NameForm};
 
 use super::callee::Callee;
 use super::function::Named;
@@ -56,6 +56,18 @@ const FUNCTIONS: [(&[&str], &str); 18] = [
         "a bit is set and reset by assignments, as in `IF on THEN lamp := TRUE; END_IF; IF off THEN lamp := FALSE; END_IF;`",
     ),
     (&["rand", "random"], "calculate numbers of your own, as in `seed := seed * 25173 + 13849;` with a UINT"),
+];
+
+/// Functions of other languages that set or reset a bit, and its value then. SET and RSET are also names of system functions with two
+/// parameters.
+const BITS: [(&str, &str); 7] = [
+    ("set", "TRUE"),
+    ("setbit", "TRUE"),
+    ("s", "TRUE"),
+    ("rset", "FALSE"),
+    ("reset", "FALSE"),
+    ("resetbit", "FALSE"),
+    ("r", "FALSE"),
 ];
 
 impl SclBinder<'_, '_> {
@@ -119,22 +131,49 @@ impl SclBinder<'_, '_> {
     }
 
     /// Reports a call of a function that only other languages have; false: it is not such a call.
-    pub(super) fn foreign_function(&mut self, ctx: &SclBlock, callee: &Node) -> bool {
+    pub(super) fn foreign_function(&mut self, ctx: &SclBlock, callee: &Node, given: &[Given]) -> bool {
         let NodeKind::Name(name) = &callee.kind else { return false };
+        if self.bit_function(ctx, name, given) {
+            return true;
+        }
         let known = |(names, _): &&(&[&str], &str)| names.iter().any(|own| own.eq_ignore_ascii_case(&name.text));
         let Some((_, help)) = FUNCTIONS.iter().find(known).filter(|_| name.form == NameForm::Bare) else {
             return false;
         };
-        let folded = fold(&name.text);
-        if ctx.block.bound.locals.contains_key(&folded)
-            || self.program.globals.names.symbols.contains_key(&folded)
+        if self.may_be_of_program(ctx, name)
             || plcc_stdlib::find_tia(&name.text).or_else(|| plcc_stdlib::find_name(&name.text)).is_some()
-            || self.program.globals.input.partial
         {
             return false;
         }
         let title = format!("`{}` is a function of other languages", name.text);
         self.refuse(Code::ForeignForm, name.span, &title, "neither a block of the program nor a function of SCL", help);
         true
+    }
+
+    /// Reports `SET(lamp)` and `RESET(lamp)`; false: it is not such a call.
+    fn bit_function(&mut self, ctx: &SclBlock, name: &Name, given: &[Given]) -> bool {
+        let known = BITS.iter().find(|(own, _)| own.eq_ignore_ascii_case(&name.text));
+        let (Some((_, value)), [Given { name: None, value: Some(bit), .. }]) = (known, given) else { return false };
+        if name.form != NameForm::Bare || self.may_be_of_program(ctx, name) {
+            return false;
+        }
+        let bit = self.program.globals.text(bit.span);
+        let title = if *value == "TRUE" { "a bit is set by an assignment" } else { "a bit is reset by an assignment" };
+        self.refuse(
+            Code::ForeignForm,
+            name.span,
+            title,
+            "a form of other languages",
+            &format!("write `{bit} := {value};`"),
+        );
+        true
+    }
+
+    /// Whether a called name is that of a variable or a block of the program, or may be that of a block that is not there.
+    fn may_be_of_program(&self, ctx: &SclBlock, name: &Name) -> bool {
+        let folded = fold(&name.text);
+        ctx.block.bound.locals.contains_key(&folded)
+            || self.program.globals.names.symbols.contains_key(&folded)
+            || self.program.globals.input.partial
     }
 }
