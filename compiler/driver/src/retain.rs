@@ -50,9 +50,8 @@ pub fn read(keys: &RetainKeys, file: FileId) -> (RetainConfig, Vec<Diagnostic>) 
     let mut reader = Reader::new(file);
     let mut number = |key: &Option<Spanned<i64>>, what: &str| {
         let key = key.as_ref()?;
-        number_within::<u32>(key, 0..=COUNT_MAX.into(), what)
-            .map_err(|title| reader.report(key, title, "docs/plc-toml.md lists the keys and their values"))
-            .ok()
+        let help = format!("write a number from 0 to {COUNT_MAX}");
+        number_within::<u32>(key, 0..=COUNT_MAX.into(), what).map_err(|title| reader.report(key, title, &help)).ok()
     };
     let (bit_memory, timers, counters) = (
         number(&keys.bit_memory, "a number of bytes"),

@@ -28,6 +28,12 @@ fn names_the_nearest_key() {
 }
 
 #[test]
+fn the_interval_of_retentive_data_has_a_unit() {
+    let title = "a time with its unit is expected here, not the number 100";
+    same("invalid type: integer `100`, expected a string", "every = 100", title, "write `\"100ms\"`");
+}
+
+#[test]
 fn headings_of_texts_become_keys() {
     let text = "name = \"a\"\n[cpu]\n# which\ntype = \"315-2 DP\"\n";
     let wrong = plain_at("invalid type: map, expected a string", text, 11);

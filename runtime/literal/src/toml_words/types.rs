@@ -6,7 +6,7 @@ use super::Wrong;
 fn is_of_time(line: &str) -> bool {
     let key = line.split('=').next().unwrap_or_default().trim().trim_matches('"').to_ascii_lowercase();
     let key = key.rsplit('.').next().unwrap_or_default();
-    matches!(key, "cycle" | "step" | "poll")
+    matches!(key, "cycle" | "step" | "poll" | "every")
         || ["time", "period", "offset", "timeout", "delay", "interval", "phase"].iter().any(|word| key.contains(word))
 }
 
