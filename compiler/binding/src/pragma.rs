@@ -6,7 +6,6 @@ use plcc_syntax::ast::Pragma;
 
 use crate::report::Report;
 use crate::similar;
-use plcc_literal::duration::{Fraction, Smallest};
 
 /// A pragma of the whole file.
 pub fn file_pragma(report: &mut Report, pragma: &Pragma, settings: &mut TestSettings) {
@@ -72,16 +71,6 @@ pub fn unknown_pragma(report: &mut Report, pragma: &Pragma) {
             None => "the pragmas are assert, sleep, cpu and test; a plain comment begins with `//`".to_owned(),
         },
     );
-}
-
-/// What to write for `//@ sleep 5s`.
-pub fn sleep_help(time: &str) -> String {
-    match plcc_literal::duration::nanoseconds(time, Smallest::Nanosecond, Fraction::Anywhere) {
-        Ok(ns) if (1_000_000..i128::from(u32::MAX) * 1_000_000).contains(&ns) => {
-            format!("write `//@ sleep {}`", ns / 1_000_000)
-        }
-        _ => "write `//@ sleep` and a number of milliseconds".to_owned(),
-    }
 }
 
 /// A pragma with an invalid form.

@@ -4,6 +4,7 @@ use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::article::with_article;
 use plcc_syntax::ast::{Pragma, Side as WrittenSide, Width};
+use plcc_syntax::front::pragma::sleep_help;
 use plcc_syntax::s7200::ast::{Area, Assert, AssertSide, Constant as Written};
 
 use super::Binder;
@@ -13,7 +14,7 @@ use super::operand::{memory, place};
 use super::settle::Settled;
 use plcc_binding::assertion::{self, Literal, Side, Type, What};
 use plcc_binding::constant::Constant;
-use plcc_binding::pragma::{bad_pragma, sleep_help, split, unknown_pragma};
+use plcc_binding::pragma::{bad_pragma, split, unknown_pragma};
 use plcc_model::ComparedValue;
 use plcc_model::s7200 as model;
 use plcc_model::s7200::StatementKind;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
+use plcc_literal::duration::{self, Fraction, Smallest};
 
 use super::comment::{Comment, CommentForm};
 use super::cursor::Cursor;
@@ -38,13 +39,31 @@ pub fn nearly(file: FileId, source: &str, comment: Comment) -> Option<Diagnostic
     }
     let end = start + written.len() - rest.len();
     let shown = source[start..end].trim_end();
+    let help = match word {
+        "sleep" => sleep_help(rest),
+        _ => format!("write `//@ {word} {}`", rest.trim()),
+    };
     let place = if comment.own_line { "" } else { " on a line of its own" };
     let span = Span::new(file, start..start + shown.len());
     let mut message = Diagnostic::new(Code::Pragma, span, format!("`{shown}` is only a comment"))
         .label("`plcc test` does not read it")
-        .help(format!("write `//@ {word} {}`{place}", rest.trim()));
+        .help(format!("{help}{place}"));
     message.severity = Severity::Warning;
     Some(message)
+}
+
+/// What to write for `//@ sleep 5s`, `5 s`, `5,0 sec`.
+pub fn sleep_help(time: &str) -> String {
+    let time: String = time.split_whitespace().collect::<String>().replace(',', ".");
+    let ms = time.parse::<u32>().ok().or_else(|| {
+        let written = duration::nanoseconds(&time, Smallest::Nanosecond, Fraction::Anywhere).ok();
+        let ns = written.or_else(|| duration::span(&duration::meant_span(&time)?).map(i128::from))?;
+        u32::try_from(ns / 1_000_000).ok().filter(|ms| *ms > 0)
+    });
+    match ms {
+        Some(ms) => format!("write `//@ sleep {ms}`"),
+        None => "write `//@ sleep` and a number of milliseconds".to_owned(),
+    }
 }
 
 /// The first comment line `//@` from number `next` on that begins before byte `before`; `next` is then its number.
@@ -113,5 +132,31 @@ impl<K: Copy + PartialEq, W: Copy, T> Cursor<'_, '_, K, W, T> {
             let pragma = self.read_pragma(comment);
             self.pragmas.push(pragma);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waits_are_told_in_milliseconds() {
+        for (time, ms) in [("100", "100"), ("5s", "5000"), ("5 s", "5000"), ("2,5 sec", "2500"), ("T#1s", "1000")] {
+            assert_eq!(sleep_help(time), format!("write `//@ sleep {ms}`"), "{time}");
+        }
+        for time in ["", "0s", "soon", "5 cycles", "100000d"] {
+            assert_eq!(sleep_help(time), "write `//@ sleep` and a number of milliseconds", "{time}");
+        }
+    }
+
+    #[test]
+    fn comments_that_are_nearly_pragmas() {
+        let help = |comment: &str| {
+            let range = Comment { start: 0, end: comment.len() as u32, form: CommentForm::Line, own_line: true };
+            nearly(FileId(0), comment, range).and_then(|message| message.help)
+        };
+        assert_eq!(help("// @sleep 5 s").as_deref(), Some("write `//@ sleep 5000`"));
+        assert_eq!(help("// @assert Q0.0 == 1").as_deref(), Some("write `//@ assert Q0.0 == 1`"));
+        assert_eq!(help("// @author 5 s"), None);
     }
 }

@@ -3,13 +3,14 @@
 use plcc_diag::Span;
 use plcc_syntax::article::with_article;
 use plcc_syntax::ast::{self, Pragma, Width};
+use plcc_syntax::front::pragma::sleep_help;
 
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::assertion::{self, Literal, Side, Type, What};
 use plcc_binding::constant::Constant;
-use plcc_binding::pragma::{bad_pragma, file_pragma, sleep_help, split, unknown_pragma};
+use plcc_binding::pragma::{bad_pragma, file_pragma, split, unknown_pragma};
 use plcc_binding::value;
 use plcc_model::types::{DTL, DataType, Elementary};
 use plcc_model::{Assert, AssertSide, CellKind, ComparedValue, Operand, Place, StlStatementKind, TestSettings};
