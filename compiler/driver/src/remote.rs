@@ -5,7 +5,7 @@ use std::net::Ipv6Addr;
 
 use plcc_abi::image::Module;
 use plcc_abi::remote::{RemoteChannel, RemoteLine, RemoteParity, RemoteScale, RemoteStation, RemoteTable};
-use plcc_diag::{Code, Diagnostic, FileId, Span};
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use plcc_runtime::address::{self, Place, Width};
 use plcc_runtime::{analog, io};
 use serde::Deserialize;
@@ -124,6 +124,24 @@ fn tcp_address(text: &str) -> Result<String, String> {
             None => Err(usual()),
         },
     }
+}
+
+/// The key and the address that are meant by a reference number: 40001 and 400001 are the first holding register. `None`: it is none.
+/// Those of coils have no digit of their own, so they cannot be told from addresses.
+///
+/// Source: MODBUS Application Protocol Specification V1.1b3, 4.4: element n of a table has the address n - 1.
+fn address_of_reference(table: RemoteTable, number: i64) -> Option<(&'static str, i64)> {
+    let (word, digit) = match table {
+        RemoteTable::Coils => return None,
+        RemoteTable::DiscreteInputs => ("discrete", 1),
+        RemoteTable::InputRegisters => ("input", 3),
+        RemoteTable::HoldingRegisters => ("holding", 4),
+    };
+    let forms = [(10_000, 9_999), (100_000, 65_536)];
+    forms.into_iter().find_map(|(place, last)| {
+        let element = number.checked_sub(digit * place).filter(|element| (1..=last).contains(element))?;
+        Some((word, element - 1))
+    })
 }
 
 struct Reader {
@@ -263,6 +281,12 @@ impl Reader {
             return None;
         };
         let table = *table;
+        let first: &Option<Spanned<i64>> = first;
+        if let Some(key) = first
+            && self.is_reference(table, key)
+        {
+            return None;
+        }
         let first: u16 = self.number(first, 0..=0xFFFF, "a number of an element", 0)?;
         let (output, byte, bit, width) = self.place(&keys.at, table)?;
         let usual: u16 = match width {
@@ -307,6 +331,24 @@ impl Reader {
             substitute: substitute as u16,
         };
         self.take(station, keys, &channel).then_some(channel)
+    }
+
+    /// Tells reference numbers from addresses. True: the number can only be a reference number, which is an error.
+    fn is_reference(&mut self, table: RemoteTable, key: &Spanned<i64>) -> bool {
+        let number = *key.get_ref();
+        let Some((word, address)) = address_of_reference(table, number) else { return false };
+        let title = format!("{number} looks like a reference number, as manuals of devices have it");
+        let help = format!("write `{word} = {address}`, the address of that element: addresses begin at 0");
+        let mut message = Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title);
+        let can_be_address = number <= 0xFFFF;
+        if can_be_address {
+            message.severity = Severity::Warning;
+        }
+        self.diagnostics.push(message.help(match can_be_address {
+            true => format!("{help}; leave {number} if it is the address itself"),
+            false => help,
+        }));
+        !can_be_address
     }
 
     /// Direction, byte, bit and width of `at`.
@@ -448,6 +490,28 @@ mod tests {
         assert_eq!(help("input", "I4.0"), ["write `IW4`, or `ID4` for two of them"]);
         assert_eq!(help("coils", "QW6"), ["write `Q6.0` or `QB6`"]);
         assert_eq!(help("discrete", "PIW300"), ["write `PIB300`"]);
+    }
+
+    #[test]
+    fn reference_numbers_are_told_from_addresses() {
+        let told = |table: &str| {
+            let at = if table.starts_with("discrete") { "I4.0" } else { "IW4" };
+            let text = format!("[io.a]\nmodbus = \"h\"\n[[io.a.data]]\n{table}\nat = \"{at}\"\n");
+            let (_, diagnostics) = project::parse(FileId(0), &SourceFile::new("plc.toml", text.as_str()));
+            let told = diagnostics.into_iter().map(|message| (message.is_error(), message.help.unwrap_or_default()));
+            told.collect::<Vec<_>>()
+        };
+        let write = |what: &str| format!("write `{what}`, the address of that element: addresses begin at 0");
+        let warning = |what: &str, number: u32| {
+            vec![(false, format!("{}; leave {number} if it is the address itself", write(what)))]
+        };
+        assert_eq!(told("holding = 40001"), warning("holding = 0", 40001));
+        assert_eq!(told("input = 30011"), warning("input = 10", 30011));
+        assert_eq!(told("discrete = 10001"), warning("discrete = 0", 10001));
+        assert_eq!(told("holding = 400123"), [(true, write("holding = 122"))]);
+        for good in ["holding = 30001", "holding = 40000", "input = 40001", "holding = 1"] {
+            assert_eq!(told(good), [], "{good}");
+        }
     }
 
     #[test]
