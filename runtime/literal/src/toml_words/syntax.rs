@@ -55,6 +55,14 @@ pub fn syntax(message: &str, place: &str, line: &str) -> Wrong {
     if let Some(told) = habit(line) {
         return told;
     }
+    if message.contains("leading zero") {
+        let value = line.split_once('=').map_or(place, |(_, value)| value).split('#').next().unwrap_or_default().trim();
+        let title = "a number has no zeros before it";
+        return match value.parse::<u64>() {
+            Ok(number) => wrong(title, format!("write `{key} = {number}`")),
+            Err(_) => wrong(title, "write the number without them".to_owned()),
+        };
+    }
     if place == "," {
         let line = line.trim_end_matches(',').trim_end();
         return wrong("a line has no `,` at its end", format!("write `{line}`"));

@@ -34,6 +34,13 @@ fn the_interval_of_retentive_data_has_a_unit() {
 }
 
 #[test]
+fn numbers_have_no_zeros_before_them() {
+    let title = "a number has no zeros before it";
+    same("unexpected leading zero", "coils = 00001", title, "write `coils = 1`");
+    same("unexpected leading zero", "raw = [00, 5]", title, "write the number without them");
+}
+
+#[test]
 fn headings_of_texts_become_keys() {
     let text = "name = \"a\"\n[cpu]\n# which\ntype = \"315-2 DP\"\n";
     let wrong = plain_at("invalid type: map, expected a string", text, 11);
