@@ -1,6 +1,6 @@
 //! Statements of SCL as statement lists: the assertions of the tests for SCL hold for them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -184,6 +184,20 @@ fn comments_stay_in_an_else_without_statements() {
     assert_eq!(messages, []);
     let lines = ["JCN   _002", "// high", "L     1", "JU    _001", "_002: NOP   0", "// low", "_001: NOP   0"];
     are_in_order(&text, &lines);
+}
+
+/// STEP 7 V5 has no longer ones.
+#[test]
+fn labels_have_four_characters() {
+    let statements: String = (0..1100).map(|at| format!("IF x > {at} THEN FC1 := {at}; END_IF;\n")).collect();
+    let source = format!("FUNCTION FC 1 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nBEGIN\n{statements}END_FUNCTION\n");
+    let (messages, text) = converted(&source);
+    assert_eq!(messages, []);
+    let labels: Vec<&str> = text.lines().filter_map(|line| Some(line.split_once(": NOP")?.0)).collect();
+    let known: BTreeSet<&str> = labels.iter().copied().collect();
+    assert_eq!(known.len(), labels.len());
+    assert!(known.len() >= 1100 && known.contains("_A00"), "{}", known.len());
+    assert!(labels.iter().all(|label| label.trim().len() == 4), "{labels:?}");
 }
 
 fn are_in_order(text: &str, lines: &[&str]) {

@@ -57,8 +57,8 @@ impl Maker<'_> {
     pub fn new_label(&mut self) -> String {
         loop {
             self.made_labels += 1;
-            let name = format!("_{:03}", self.made_labels);
-            if !self.other_labels.contains(&name) {
+            let name = label_name(self.made_labels);
+            if !self.other_labels.contains(&name.to_lowercase()) {
                 return name;
             }
         }
@@ -146,6 +146,19 @@ impl Maker<'_> {
         });
         let variables = variables.collect();
         block.sections.push(Section { kind: SectionKind::Temp, retain: ast::Retain::Unsaid, variables, span });
+    }
+}
+
+/// `_001` to `_999`, then `_A00` to `_ZZZ`: a label of STEP 7 V5 has four characters.
+fn label_name(number: usize) -> String {
+    const DIGITS: &[u8; 36] = b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    const FIRST_LETTER: usize = 10 * 36 * 36;
+    match number.checked_sub(1000).map(|after| after + FIRST_LETTER) {
+        Some(code) if code < 36 * 36 * 36 => {
+            let digit = |weight: usize| char::from(DIGITS[code / weight % 36]);
+            format!("_{}{}{}", digit(36 * 36), digit(36), digit(1))
+        }
+        Some(_) | None => format!("_{number:03}"),
     }
 }
 
