@@ -44,6 +44,9 @@ pub struct BindInput<'a> {
     pub require_main: bool,
     /// Blocks of safety programs are compiled as standard blocks.
     pub safety_as_standard: bool,
+    /// Charts become the statements that they are in every mode, with types of the S7-300 only, as other notations need them; otherwise there
+    /// are also short ways and values of 64 bits.
+    pub plain_charts: bool,
 }
 
 /// A program with its messages.

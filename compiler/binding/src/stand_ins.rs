@@ -71,6 +71,7 @@ impl Whole {
             pragmas: input.pragmas,
             require_main: input.require_main,
             safety_as_standard: input.safety_as_standard,
+            plain_charts: input.plain_charts,
         }
     }
 }

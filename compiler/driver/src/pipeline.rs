@@ -60,6 +60,8 @@ pub struct Settings {
     pub safety_as_standard: bool,
     /// A program with a warning is refused.
     pub deny_warnings: bool,
+    /// Charts become statements for other notations.
+    pub plain_charts: bool,
 }
 
 impl Settings {
@@ -264,6 +266,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         profile,
         safety_as_standard: settings.safety_as_standard
             || project.as_ref().is_some_and(|project| project.safety_as_standard),
+        plain_charts: settings.plain_charts,
         config: Config { cpu_order, ..project.map(|project| project.config).unwrap_or_default() },
         partial,
         stand_ins: None,

@@ -4,6 +4,7 @@
 //!   are missing.
 //! - [`implied_profile`]: the CPU of sources that name none.
 //! - [`instruction_pins`]: what STL passes to an instruction of the TIA Portal that it calls by its name.
+//! - [`with_chart_data`]: what the block of a chart declares without saying so.
 //! - [`check_modules`] compares a bound program with the modules of its station.
 //!
 //! **Invariant**: a program that binds without errors lowers without errors.
@@ -13,6 +14,6 @@ mod modules;
 
 pub use bind::{
     bind, block_of_file, complete, implied_profile, instruction_pins, is_about_drafts, is_s7200, library_interface,
-    runs, system_members, tables,
+    runs, system_members, tables, with_chart_data,
 };
 pub use modules::check_modules;

@@ -154,6 +154,7 @@ pub fn bind_files(files: Vec<(&str, Source)>, cpu: &str) -> (Program, Vec<Diagno
         pragmas: true,
         require_main: true,
         safety_as_standard: false,
+        plain_charts: false,
     })
 }
 

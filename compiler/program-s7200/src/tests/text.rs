@@ -39,6 +39,7 @@ fn bind_text(name: &str, text: &str, table: &str) -> (SourceMap, Program, Vec<Di
         pragmas: true,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     });
     diagnostics.extend(found);
     plcc_diag::sort(&mut diagnostics);

@@ -36,6 +36,7 @@ pub use globals::pins::instruction_pins;
 pub use network::is_about_drafts;
 pub use partial::complete;
 pub use program::{bind, library_interface};
+pub use trees::chart_data::expanded as with_chart_data;
 pub use trees::cpu::{implied_profile, is_s7200, runs};
 pub use trees::numbering::block_of_file;
 

@@ -154,6 +154,7 @@ pub fn empty(sources: &SourceMap) -> BindInput<'_> {
         pragmas: false,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     }
 }
 

@@ -148,7 +148,7 @@ impl<'a, 'c> Assembly<'a, 'c> {
         holes.insert("was_passed", engine.look_up(&engine.passed));
         holes.insert("skip", if self.features.skipping { per_step(&|step| self.skip(step)) } else { Vec::new() });
         holes.insert("leave", per_step(&|step| self.parts.codes[step].leave.clone()));
-        holes.insert("make_pair", engine.make_pair());
+        holes.insert("make_pair", if engine.is_plain { Vec::new() } else { engine.make_pair() });
         holes.insert("add_pair", engine.add_pair());
         holes.insert("put_pair", engine.put_pair());
         holes.insert("act", per_step(&|step| self.parts.codes[step].active.clone()));

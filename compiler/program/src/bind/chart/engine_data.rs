@@ -18,7 +18,7 @@ use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::network::Page;
 use crate::bind::scl::SclBlock;
 use crate::bind::scl::expression::{binary_expr, constant_expr};
-use crate::bind::trees::chart_data::{Members, TIA_DATA, words};
+use crate::bind::trees::chart_data::{Members, TIA_DATA};
 use plcc_binding::fold;
 use plcc_model::layout;
 use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, UnaryOp};
@@ -37,13 +37,15 @@ pub struct Engine<'c> {
     /// Where the data of steps and transitions begins.
     steps: Vec<Variable>,
     transitions: Vec<Variable>,
-    /// Sets of steps with 64 bits per word: active ones, in the instance; left, entered and skipped ones of this call.
+    /// Sets of steps: active ones, in the instance; left, entered and skipped ones of this call.
     active: Set,
     pub left: Set,
     pub entered: Set,
     pub passed: Set,
     /// The position of code that the engine adds, in messages at run time.
     pub span: Span,
+    /// The chart becomes another notation, which has the types of the S7-300 only, and no short ways.
+    pub is_plain: bool,
 }
 
 /// Variables of the engine in the frame, as `engine.scl` declares them.
@@ -145,7 +147,7 @@ impl<'c> Engine<'c> {
         chart: &'c Chart,
         index: &'c Index,
         members: &Members,
-        span: Span,
+        (span, is_plain): (Span, bool),
     ) -> Option<Engine<'c>> {
         let bound = std::rc::Rc::clone(&ctx.block.bound);
         let (steps, transitions) = if members.arrays {
@@ -171,9 +173,11 @@ impl<'c> Engine<'c> {
         for (list, ty) in kinds {
             names.extend(list.iter().map(|name| (*name, page.pool.lasting(ctx, ty).variable())));
         }
+        let word_type = if is_plain { Elementary::Dword } else { Elementary::Ulint };
+        let words = steps.len().div_ceil(word_type.bits() as usize).max(1);
         let mut set = || {
-            let word = |_| Some(page.pool.lasting(ctx, Elementary::Ulint).variable());
-            Set((0..words(steps.len())).map(word).collect())
+            let word = |_| Some(page.pool.lasting(ctx, word_type).variable());
+            Set { words: (0..words).map(word).collect(), ty: word_type }
         };
         let (left, entered, passed) = (set(), set(), set());
         for &(name, other) in QUICK {
@@ -181,7 +185,7 @@ impl<'c> Engine<'c> {
             names.insert(name, variable);
         }
         for (name, set) in [("mask", &left), ("rest", &entered)] {
-            names.extend(set.0[0].clone().map(|word| (name, word)));
+            names.extend(set.words[0].clone().map(|word| (name, word)));
         }
         for (name, path) in KEPT {
             let found = match chart.dialect {
@@ -201,15 +205,17 @@ impl<'c> Engine<'c> {
         names.insert("NOTES", typed(&names["STARTED"], 0, DataType::Elementary(Elementary::Byte)));
         names.insert("MODES", typed(&names["OLD"], 0, DataType::Elementary(Elementary::Lword)));
         names.insert("MOPS", typed(&names["MOPEDGE"], 0, DataType::Elementary(Elementary::Lword)));
-        let word = |word| Some(typed(&names["ACTIVE"], 8 * word, DataType::Elementary(Elementary::Ulint)));
-        let active = Set((0..words(steps.len()) as u32).map(word).collect());
+        // Each step has the same bit, whatever the words are: the first steps are in the last bytes of eight.
+        let place = |word: u32| if is_plain { 4 * (word ^ 1) } else { 8 * word };
+        let word = |word| Some(typed(&names["ACTIVE"], place(word), DataType::Elementary(word_type)));
+        let active = Set { words: (0..words as u32).map(word).collect(), ty: word_type };
         names.insert("G7S", list(steps.first()?, steps.len(), steps[0].ty.clone()));
         names.insert("RAW", list(steps.first()?, steps.len(), raw_step(layout::bytes(&steps[0].ty))));
         if let Some(first) = transitions.first() {
             names.insert("G7T", list(first, transitions.len(), first.ty.clone()));
             names.insert("TRAW", list(first, transitions.len(), raw_transition(layout::bytes(&first.ty))));
         }
-        Some(Engine { chart, index, page, names, steps, transitions, active, left, entered, passed, span })
+        Some(Engine { chart, index, page, names, steps, transitions, active, left, entered, passed, span, is_plain })
     }
 
     /// A component of a step.
@@ -244,7 +250,7 @@ impl<'c> Engine<'c> {
 
     /// The first word of the set of active steps.
     pub fn active_word(&self) -> &Variable {
-        self.active.0[0].as_ref().expect("nothing leaves out a word of the active steps")
+        self.active.words[0].as_ref().expect("nothing leaves out a word of the active steps")
     }
 
     /// Where the data of the chart begins in the instance: parameters and variables of the block are before it.

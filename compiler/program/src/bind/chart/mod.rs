@@ -87,6 +87,13 @@ ELSE
   add_one_by_one();
 END_IF;";
 
+/// The same without numbers of 64 bits.
+const PLAIN_TICK: &str = "IF #RAW[#k].EVENTS <> BYTE#0 THEN
+  expire();
+  #RAW[#k].EVENTS := 0;
+END_IF;
+add_one_by_one();";
+
 /// T and U of step `k`, one after the other.
 const ADD_ONE_BY_ONE: &str = "#elapsed := #RAW[#k].T + #passed;
 IF #elapsed < 0 THEN
@@ -164,6 +171,9 @@ END_IF;";
 /// Continues a loop if `k` is not a position of a step.
 const ONLY_STEPS: &str = "IF DINT_TO_UDINT(#k - 1) <= #last_step THEN ; ELSE CONTINUE; END_IF;";
 
+/// The same without types that the S7-300 does not have.
+const PLAIN_ONLY_STEPS: &str = "IF #k < 1 OR #k > #steps THEN CONTINUE; END_IF;";
+
 /// Binds charts of GRAPH.
 pub struct ChartBinder<'b, 'a> {
     program: &'b mut Declarations<'a>,
@@ -204,7 +214,10 @@ impl ChartBinder<'_, '_> {
         if chart_data::clashes(block, chart) {
             return SclBody::default();
         }
-        let Some(mut engine) = Engine::new(ctx, chart, &index, &members, span) else { return SclBody::default() };
+        let is_plain = self.program.globals.input.plain_charts;
+        let Some(mut engine) = Engine::new(ctx, chart, &index, &members, (span, is_plain)) else {
+            return SclBody::default();
+        };
         let parts = self.chart_parts(ctx, &mut engine);
         self.scl().unused_data(ctx, block, false);
         let mut statements = self.fill_engine(ctx, &mut engine, parts);
@@ -299,7 +312,7 @@ impl ChartBinder<'_, '_> {
         let skips = chart.settings.skip_steps == Some(true) || declared("EN_SSKIP") || self.mentions_word("SSKIP");
         let blocks = &self.program.data.blocks;
         let is_shared = |number: u16| Some(blocks.get(&number)?.block.instance_of.is_none());
-        let alone = alone::is_possible(engine, &parts, &competing, &is_shared);
+        let alone = !engine.is_plain && alone::is_possible(engine, &parts, &competing, &is_shared);
         let is_wide =
             parts.to.iter().any(|to| to.len() > 1) || chart.steps.iter().filter(|step| step.initial).count() > 1;
         let monitoring = supervision || parts.interlocks.iter().any(Option::is_some);
@@ -355,6 +368,7 @@ impl ChartBinder<'_, '_> {
                 "has_more_inputs" => Meaning::Bool(!only_init),
                 "has_usual_modes" => Meaning::Bool(quick::has_usual_modes(&chart.settings)),
                 "has_safe_activation" => Meaning::Bool(features.safe_activation),
+                "has_several_steps" => Meaning::Bool(chart.steps.len() > 1),
                 "steps" => Meaning::Number(chart.steps.len() as u64),
                 "last_step" => Meaning::Number(chart.steps.len() as u64 - 1),
                 "transitions" => Meaning::Number(chart.transitions.len() as u64),
@@ -378,10 +392,10 @@ impl ChartBinder<'_, '_> {
             .replace("flags();", FLAGS)
             .replace("edges();", &parameters::edges(declared))
             .replace("monitor();", MONITOR)
-            .replace("tick();", TICK)
+            .replace("tick();", if engine.is_plain { PLAIN_TICK } else { TICK })
             .replace("add_one_by_one();", ADD_ONE_BY_ONE)
             .replace("note();", NOTE)
-            .replace("only_steps();", ONLY_STEPS)
+            .replace("only_steps();", if engine.is_plain { PLAIN_ONLY_STEPS } else { ONLY_STEPS })
             .replace("switch_over();", SWITCH_OVER)
             .replace("clear_requests();", CLEAR_REQUESTS);
         let trees = template::prune(template::parse(&text), &meaning);

@@ -46,6 +46,7 @@ pub fn in_block<T>(
         pragmas: true,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     };
     let mut program = Declarations::new(&input);
     program.globals.collect();

@@ -63,6 +63,7 @@ fn bound(code: &str) -> (Program, Vec<Diagnostic>) {
         pragmas: false,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     });
     diagnostics.extend(messages);
     (program, diagnostics)

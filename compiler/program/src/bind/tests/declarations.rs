@@ -26,6 +26,7 @@ fn bind_scl(source: &str) -> (Program, Vec<Diagnostic>) {
         pragmas: true,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     });
     diagnostics.extend(bound);
     (program, diagnostics)

@@ -43,6 +43,7 @@ fn bind_text(source: &str, table: &str, partial: bool) -> (Program, Vec<Diagnost
         pragmas: true,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     });
     diagnostics.extend(bound);
     (program, diagnostics)

@@ -28,6 +28,7 @@ fn messages(language: Language, source: &str) -> Vec<String> {
         pragmas: false,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     });
     diagnostics.extend(bound);
     assert!(!diagnostics.iter().any(plcc_diag::Diagnostic::is_error), "{diagnostics:#?}");

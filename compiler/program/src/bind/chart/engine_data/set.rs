@@ -10,9 +10,14 @@ use crate::bind::declarations::path::Variable;
 use crate::bind::scl::expression::binary_expr;
 use plcc_model::scl::{BinaryOp, CompareOp, Expr, Statement, StatementKind};
 
-/// A set of steps; a word is omitted if nothing uses its steps.
+/// A set of steps.
 #[derive(Clone)]
-pub struct Set(pub(super) Vec<Option<Variable>>);
+pub struct Set {
+    /// A word is omitted if nothing uses its steps.
+    pub(super) words: Vec<Option<Variable>>,
+    /// Their type.
+    pub(super) ty: Elementary,
+}
 
 impl Engine<'_> {
     /// Whether a step is active, from the set.
@@ -39,18 +44,18 @@ impl Engine<'_> {
 
     /// Empties the sets of the call.
     pub fn begin_sets(&self) -> Vec<Statement> {
-        let zero = |variable: &Variable| assign(variable, number(0, Elementary::Ulint, self.span), self.span);
-        [&self.left, &self.entered, &self.passed].iter().flat_map(|set| set.0.iter().flatten()).map(zero).collect()
+        let zero = |variable: &Variable| assign(variable, number(0, self.active.ty, self.span), self.span);
+        [&self.left, &self.entered, &self.passed].iter().flat_map(|set| set.words.iter().flatten()).map(zero).collect()
     }
 
     /// Adds step `k`, known at run time, to the active steps or removes it.
     pub fn change_active(&self, add: bool) -> Vec<Statement> {
         self.by_word(&|word, bit| {
-            let Some(variable) = &self.active.0[word] else { return Vec::new() };
+            let Some(variable) = &self.active.words[word] else { return Vec::new() };
             let before = load(variable, self.span);
             let after = match add {
-                true => binary_expr(BinaryOp::Or, before, bit, Elementary::Ulint, self.span),
-                false => binary_expr(BinaryOp::And, before, not(bit), Elementary::Ulint, self.span),
+                true => binary_expr(BinaryOp::Or, before, bit, self.active.ty, self.span),
+                false => binary_expr(BinaryOp::And, before, not(bit), self.active.ty, self.span),
             };
             vec![assign(variable, after, self.span)]
         })
@@ -59,8 +64,8 @@ impl Engine<'_> {
     /// Adds step `k`, known at run time, to a set.
     pub fn mark(&self, set: &Set) -> Vec<Statement> {
         self.by_word(&|word, bit| {
-            let Some(variable) = &set.0[word] else { return Vec::new() };
-            let after = binary_expr(BinaryOp::Or, load(variable, self.span), bit, Elementary::Ulint, self.span);
+            let Some(variable) = &set.words[word] else { return Vec::new() };
+            let after = binary_expr(BinaryOp::Or, load(variable, self.span), bit, set.ty, self.span);
             vec![assign(variable, after, self.span)]
         })
     }
@@ -68,9 +73,9 @@ impl Engine<'_> {
     /// Sets `known` to whether step `k`, known at run time, is in a set; FALSE for steps without a word in the set.
     pub fn look_up(&self, set: &Set) -> Vec<Statement> {
         self.by_word(&|word, bit| {
-            let known = match &set.0[word] {
+            let known = match &set.words[word] {
                 Some(variable) => {
-                    let both = binary_expr(BinaryOp::And, load(variable, self.span), bit, Elementary::Ulint, self.span);
+                    let both = binary_expr(BinaryOp::And, load(variable, self.span), bit, set.ty, self.span);
                     compared(CompareOp::NotEqual, both, 0)
                 }
                 None => number(0, Elementary::Bool, self.span),
@@ -82,10 +87,12 @@ impl Engine<'_> {
     /// Statements for the word that contains step `k`, and its bit there.
     fn by_word(&self, make: &dyn Fn(usize, Expr) -> Vec<Statement>) -> Vec<Statement> {
         let step = || self.value("k");
+        let (words, ty) = (self.active.words.len(), self.active.ty);
+        let bits = u64::from(ty.bits());
         let mut statements = Vec::new();
-        for word in (0..self.active.0.len()).rev() {
-            let one = number(1, Elementary::Ulint, self.span);
-            let first = 64 * word as u64 + 1;
+        for word in (0..words).rev() {
+            let one = number(1, ty, self.span);
+            let first = bits * word as u64 + 1;
             let place = binary_expr(
                 BinaryOp::Subtract,
                 step(),
@@ -93,12 +100,12 @@ impl Engine<'_> {
                 Elementary::Dint,
                 self.span,
             );
-            let bit = binary_expr(BinaryOp::ShiftLeft, one, place, Elementary::Ulint, self.span);
+            let bit = binary_expr(BinaryOp::ShiftLeft, one, place, ty, self.span);
             let own = make(word, bit);
-            statements = match word + 1 == self.active.0.len() {
+            statements = match word + 1 == words {
                 true => own,
                 false => vec![if_then(
-                    compared(CompareOp::LessEqual, step(), 64 * (word as u64 + 1)),
+                    compared(CompareOp::LessEqual, step(), bits * (word as u64 + 1)),
                     own,
                     statements,
                     self.span,
@@ -142,32 +149,34 @@ impl Engine<'_> {
 }
 
 impl Set {
-    fn word_of(step: usize) -> (usize, u64) {
-        (step / 64, 1 << (step % 64))
+    /// The word of a step, and its bit there.
+    fn word_of(&self, step: usize) -> (usize, u64) {
+        let bits = self.ty.bits() as usize;
+        (step / bits, 1 << (step % bits))
     }
 
     /// Omits words that contain none of these steps: nothing uses them.
     pub fn restrict(&mut self, steps: impl Iterator<Item = usize>) {
-        let mut needed = vec![false; self.0.len()];
-        steps.for_each(|step| needed[Set::word_of(step).0] = true);
-        self.0.iter_mut().zip(needed).filter(|(_, needed)| !needed).for_each(|(word, _)| *word = None);
+        let mut needed = vec![false; self.words.len()];
+        steps.for_each(|step| needed[self.word_of(step).0] = true);
+        self.words.iter_mut().zip(needed).filter(|(_, needed)| !needed).for_each(|(word, _)| *word = None);
     }
 
     /// Puts a step into the set.
     pub fn add(&self, step: usize, span: Span) -> Option<Statement> {
-        let (word, bit) = Set::word_of(step);
-        let variable = self.0[word].as_ref()?;
-        let bit = number(bit, Elementary::Ulint, span);
-        let after = binary_expr(BinaryOp::Or, load(variable, span), bit, Elementary::Ulint, span);
+        let (word, bit) = self.word_of(step);
+        let variable = self.words[word].as_ref()?;
+        let bit = number(bit, self.ty, span);
+        let after = binary_expr(BinaryOp::Or, load(variable, span), bit, self.ty, span);
         Some(assign(variable, after, span))
     }
 
     /// Takes a step out of the set.
     pub fn remove(&self, step: usize, span: Span) -> Option<Statement> {
-        let (word, bit) = Set::word_of(step);
-        let variable = self.0[word].as_ref()?;
-        let rest = number(!bit, Elementary::Ulint, span);
-        let after = binary_expr(BinaryOp::And, load(variable, span), rest, Elementary::Ulint, span);
+        let (word, bit) = self.word_of(step);
+        let variable = self.words[word].as_ref()?;
+        let rest = number(!bit & (u64::MAX >> (64 - self.ty.bits())), self.ty, span);
+        let after = binary_expr(BinaryOp::And, load(variable, span), rest, self.ty, span);
         Some(assign(variable, after, span))
     }
 
@@ -184,14 +193,14 @@ impl Set {
     }
 
     fn masks(&self, steps: &[usize], span: Span) -> impl Iterator<Item = (Expr, u64)> {
-        let mut masks = vec![0u64; self.0.len()];
+        let mut masks = vec![0u64; self.words.len()];
         for &step in steps {
-            let (word, bit) = Set::word_of(step);
+            let (word, bit) = self.word_of(step);
             masks[word] |= bit;
         }
-        self.0.iter().zip(masks).filter(|(_, mask)| *mask != 0).filter_map(move |(word, mask)| {
-            let mask_value = number(mask, Elementary::Ulint, span);
-            Some((binary_expr(BinaryOp::And, load(word.as_ref()?, span), mask_value, Elementary::Ulint, span), mask))
+        self.words.iter().zip(masks).filter(|(_, mask)| *mask != 0).filter_map(move |(word, mask)| {
+            let mask_value = number(mask, self.ty, span);
+            Some((binary_expr(BinaryOp::And, load(word.as_ref()?, span), mask_value, self.ty, span), mask))
         })
     }
 }

@@ -42,6 +42,7 @@ fn bind_text(source: &str, (dialect, family, named): Setting) -> (Program, Vec<D
         pragmas: true,
         require_main: false,
         safety_as_standard: false,
+        plain_charts: false,
     });
     diagnostics.extend(bound);
     (program, diagnostics)

@@ -140,7 +140,7 @@ fn engine_data(chart: &Chart) -> String {
     let never = |_: &str| false;
     // Choices at the start come from no edge: an operator's choice in the first call has priority.
     let chosen = |name: &str| matches!(name, "AUTO" | "SACT_DISP");
-    let list = format!("ARRAY[0..{}] OF BYTE := [1]", steps + 1);
+    let list = format!("ARRAY[0..{last}] OF BYTE := [BYTE#1, {last}(BYTE#0)]", last = steps + 1);
     format!(
         "SAX : {list}; S0X : {list}; S1X : {list};
         MOPEDGE : STRUCT {none} END_STRUCT; MOP : STRUCT {all} END_STRUCT;
@@ -173,7 +173,7 @@ pub fn usual_modes(settings: &Settings) -> u32 {
 }
 
 /// Words of 64 bits that hold a set of steps.
-pub fn words(steps: usize) -> usize {
+fn words(steps: usize) -> usize {
     steps.div_ceil(64).max(1)
 }
 
