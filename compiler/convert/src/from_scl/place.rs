@@ -1,5 +1,6 @@
 //! Places in memory by the names that sources give them.
 
+use plcc_abi::image::Family;
 use plcc_diag::Span;
 use plcc_model::scl::{Access, Base};
 use plcc_model::types::{DataType, Elementary, Member};
@@ -20,7 +21,13 @@ pub struct Named {
 impl Maker<'_> {
     /// Reads and writes of it need no address register.
     pub fn is_direct(&self, access: &Access) -> bool {
-        access.indices.is_empty() && access.part.is_none() && matches!(access.base, Base::Place(_))
+        let has_part = access.part.is_none() || self.has_parts();
+        access.indices.is_empty() && has_part && matches!(access.base, Base::Place(_))
+    }
+
+    /// Parts of variables are operands: `#w.%X3`.
+    fn has_parts(&self) -> bool {
+        self.program.profile.family == Family::S71500
     }
 
     /// The operand of a direct access; none after a message.
@@ -31,11 +38,26 @@ impl Maker<'_> {
     pub fn named(&mut self, access: &Access) -> Option<Named> {
         let span = access.span;
         let Base::Place(place) = &access.base else { return self.unnamed(span) };
-        if access.part.is_some() {
-            self.refuse(span, "a part of a variable", "copy it with AND and a shift");
-            return None;
+        let Some(part) = access.part else { return self.place(place, &access.ty, span) };
+        // STL has no name for all of a variable as its part.
+        if matches!(access.ty, DataType::Elementary(ty) if layout::width(ty) == part.width) {
+            return self.place(place, &access.ty, span).map(|named| Named { exact: false, ..named });
         }
-        self.place(place, &access.ty, span)
+        if self.has_parts()
+            && let Named { operand: Operand { kind: OperandKind::Path(mut path), span }, .. } =
+                self.place(place, &access.ty, span)?
+        {
+            let letter = match part.width {
+                Width::Bit => 'X',
+                Width::Byte => 'B',
+                Width::Word => 'W',
+                Width::Dword | Width::Lword => 'D',
+            };
+            path.parts.push(PathPart::Member { name: format!("%{letter}{}", part.index), span });
+            return Some(Named { operand: Operand { kind: OperandKind::Path(path), span }, exact: true });
+        }
+        self.refuse(span, "a part of a variable", "copy it with AND and a shift");
+        None
     }
 
     fn unnamed(&mut self, span: Span) -> Option<Named> {
