@@ -50,7 +50,7 @@ impl Maker<'_> {
         }
         let told = self.messages.len();
         let Some(work) = self.work(element, row) else {
-            if matches!(row.kind, Kind::Operator(_) | Kind::Calculate) {
+            if matches!(row.kind, Kind::Operator(_) | Kind::Negate | Kind::Invert | Kind::Calculate) {
                 let refused = self.messages.split_off(told);
                 if !self.formula_box(graph, plan, at, row.kind) && self.messages.len() == told {
                     self.messages.extend(refused);

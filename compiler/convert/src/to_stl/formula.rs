@@ -66,12 +66,14 @@ impl Term {
 }
 
 impl Maker<'_> {
-    /// An operator or CALCULATE; false: STL cannot compute it.
+    /// An operator, NEG, INV or CALCULATE; false: STL cannot compute it.
     pub fn formula_box(&mut self, graph: &Graph, plan: &Plan, at: usize, kind: Kind) -> bool {
         let element = &graph.elements[at];
         let Some(ty) = self.type_of_formula(element) else { return false };
         let term = match (kind, &element.equation) {
             (Kind::Operator(sign), _) => self.chain(graph, at, sign, ty),
+            (Kind::Negate, _) => self.input_term(graph, at, "in", ty).and_then(|of| self.applied("NEG", of, ty)),
+            (Kind::Invert, _) => self.input_term(graph, at, "in", ty).and_then(|of| self.applied("INV", of, ty)),
             (_, Some(equation)) => self.term_of(graph, at, equation, ty),
             (_, None) => None,
         };
@@ -225,15 +227,25 @@ impl Maker<'_> {
 
     /// A function of one value.
     fn function(&mut self, graph: &Graph, at: usize, name: &str, of: &Expr, ty: Elementary) -> Option<Term> {
-        use Elementary::{Byte, Dint, Dword, Int, Real, Word};
+        let of = self.term_of(graph, at, of, ty)?;
+        self.applied(name, of, ty)
+    }
+
+    fn applied(&self, name: &str, of: Term, ty: Elementary) -> Option<Term> {
+        use Elementary::{Byte, Dint, Dword, Int, Real, Sint, Time, Udint, Uint, Usint, Word};
         use StlInsn as I;
+        if (name, ty) == ("NEG", Sint) {
+            let zero = Operand { kind: OperandKind::Literal(Literal::Dint(0)), span: self.span };
+            let left = Box::new(Term::Load(vec![(I::Load, Some(zero))]));
+            return Some(Term::Binary { left, right: Box::new(of), step: self.step("-", ty)? });
+        }
         let (insn, checked) = match (name, ty) {
             ("NEG", Int) => (I::NegI, true),
-            ("NEG", Dint) => (I::NegD, true),
+            ("NEG", Dint | Time) => (I::NegD, true),
             ("NEG", Real) => (I::NegR, false),
-            ("INV" | "NOT", Word) => (I::InvertI, false),
-            ("INV" | "NOT", Byte) => (I::XorW, false),
-            ("INV" | "NOT", Dword) => (I::InvertD, false),
+            ("INV" | "NOT", Word | Int | Uint) => (I::InvertI, false),
+            ("INV" | "NOT", Byte | Usint) => (I::XorW, false),
+            ("INV" | "NOT", Dword | Dint | Sint | Udint) => (I::InvertD, false),
             ("SWAP", Word) => (I::SwapBytesWord, false),
             ("SWAP", Dword) => (I::SwapBytesDword, false),
             ("ABS", Real) => (I::AbsR, false),
@@ -250,7 +262,7 @@ impl Maker<'_> {
             _ => return None,
         };
         let step = Step { insn, checked, widens: false, cut: None };
-        Some(Term::Unary { of: Box::new(self.term_of(graph, at, of, ty)?), step })
+        Some(Term::Unary { of: Box::new(of), step })
     }
 
     /// An operation of two values.

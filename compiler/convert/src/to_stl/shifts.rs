@@ -14,6 +14,8 @@ use super::values::width_of;
 /// More places than any type has, of which ACCU2-LL can hold the number.
 const ALL_PLACES: i64 = 64;
 
+type Statements = Vec<(StlInsn, Option<Operand>)>;
+
 impl Maker<'_> {
     pub fn shift_box(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str) {
         use Elementary::{Byte, Dint, Dword, Int, Sint, Udint, Uint, Usint, Word};
@@ -27,8 +29,8 @@ impl Maker<'_> {
             ("SHR", Dword | Udint) => I::ShiftRightD,
             ("SHR", Int | Sint) => I::ShiftSignedI,
             ("SHR", Dint) => I::ShiftSignedD,
-            ("ROL", Dword) => I::RotateLeftD,
-            ("ROR", Dword) => I::RotateRightD,
+            ("ROL", _) if (8..=32).contains(&ty.bits()) => I::RotateLeftD,
+            ("ROR", _) if (8..=32).contains(&ty.bits()) => I::RotateRightD,
             _ => {
                 let help = "leave the block in its language, or write the network with other elements";
                 return self.refuse(element.span, format!("{name} of {}", ty.name()), help);
@@ -39,18 +41,28 @@ impl Maker<'_> {
             // L fills a byte with zeros.
             value.extend([I::ShiftLeftW, I::ShiftSignedI].map(|insn| (insn, Some(super::number(8, self.span)))));
         }
+        let rotates = matches!(insn, I::RotateLeftD | I::RotateRightD);
         match self.places(element) {
             Some(places) => {
-                let counts = counts(insn, places);
+                let counts = if rotates { vec![places % i64::from(ty.bits())] } else { counts(insn, places) };
                 self.boxed(graph, plan, at, Check::Never, |maker| {
                     value.into_iter().for_each(|(insn, operand)| maker.push(insn, operand));
+                    if rotates {
+                        maker.fill_double_word(ty);
+                    }
                     counts.into_iter().for_each(|count| maker.push(insn, Some(super::number(count, maker.span))));
+                    if rotates {
+                        maker.cut_double_word(ty);
+                    }
                     maker.store_pin(graph, plan, at, "out", ty);
                 });
             }
             None => {
                 let Some(own) = self.type_of_places(element) else { return };
                 let Some(number) = self.load(graph, at, "n", Word) else { return };
+                if rotates && ty.bits() < 32 {
+                    return self.rotate_by(graph, plan, at, (insn, ty), (value, number));
+                }
                 self.boxed(graph, plan, at, Check::Never, |maker| {
                     number.into_iter().for_each(|(insn, operand)| maker.push(insn, operand));
                     maker.limit_places(insn, own);
@@ -59,6 +71,52 @@ impl Maker<'_> {
                     maker.store_pin(graph, plan, at, "out", ty);
                 });
             }
+        }
+    }
+
+    /// ROL, ROR of a byte or word by a number of places that is a variable.
+    fn rotate_by(
+        &mut self,
+        graph: &Graph,
+        plan: &Plan,
+        at: usize,
+        (insn, ty): (StlInsn, Elementary),
+        (value, number): (Statements, Statements),
+    ) {
+        self.boxed(graph, plan, at, Check::Never, |maker| {
+            value.into_iter().for_each(|(insn, operand)| maker.push(insn, operand));
+            maker.fill_double_word(ty);
+            let whole = maker.temporary(Elementary::Dword);
+            maker.push(StlInsn::Transfer, Some(whole.clone()));
+            number.into_iter().for_each(|(insn, operand)| maker.push(insn, operand));
+            let places = Operand { kind: OperandKind::Literal(Literal::Word(ty.bits() as u16 - 1)), span: maker.span };
+            maker.push(StlInsn::AndW, Some(places));
+            maker.push(StlInsn::Load, Some(whole));
+            maker.push(insn, None);
+            maker.cut_double_word(ty);
+            maker.store_pin(graph, plan, at, "out", ty);
+        });
+    }
+
+    /// A byte or word beside itself in a double word rotates as the double word does.
+    fn fill_double_word(&mut self, ty: Elementary) {
+        if ty.is_signed() {
+            self.cut_double_word(ty);
+        }
+        for half in [8, 16].into_iter().filter(|half| *half >= ty.bits()) {
+            let stored = self.temporary(Elementary::Dword);
+            self.push(StlInsn::Transfer, Some(stored.clone()));
+            self.push(StlInsn::ShiftLeftD, Some(super::number(i64::from(half), self.span)));
+            self.push(StlInsn::Load, Some(stored));
+            self.push(StlInsn::OrD, None);
+        }
+    }
+
+    /// The byte or word alone.
+    fn cut_double_word(&mut self, ty: Elementary) {
+        if ty.bits() < 32 {
+            let mask = Operand { kind: OperandKind::Literal(Literal::Dword((1 << ty.bits()) - 1)), span: self.span };
+            self.push(StlInsn::AndD, Some(mask));
         }
     }
 
@@ -116,7 +174,6 @@ impl Maker<'_> {
 /// The places of one instruction after the other, each with as many as it can have.
 fn counts(insn: StlInsn, places: i64) -> Vec<i64> {
     match insn {
-        StlInsn::RotateLeftD | StlInsn::RotateRightD => vec![places % 32],
         // All places after the first 15 are signs.
         StlInsn::ShiftSignedI => vec![places.min(15)],
         StlInsn::ShiftLeftW | StlInsn::ShiftRightW if places > 15 => vec![15, 1],
