@@ -166,6 +166,7 @@ impl Maker<'_> {
                 self.evaluate(&Logic::Edge { of: Box::new(flow), bit, rising });
                 self.push(StlInsn::Assign, Some(operand));
             }
+            Kind::BitField { set } => self.bit_field(graph, plan, at, set),
             Kind::FlipFlop { set_wins } => self.flip_flop(graph, plan, at, set_wins, instance),
             Kind::Jump { negated } => {
                 let Some(label) = self.jump_label(element, "label") else { return };

@@ -2,7 +2,8 @@
 //!
 //! - `plan`: which values stay in the RLO, and which need a bit of their own.
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
-//! - `elements`: contacts, coils, edges, timers, counters, jumps; `control`: jumps to one of several labels.
+//! - `elements`: contacts, coils, edges, timers, counters, jumps; `fields`: coils of several bits; `control`: jumps to one of several
+//!   labels.
 //! - `compare`: comparisons.
 //! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`, `choices`.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
@@ -18,6 +19,7 @@ mod choices;
 mod compare;
 mod control;
 mod elements;
+mod fields;
 mod formula;
 mod instructions;
 mod logic;
