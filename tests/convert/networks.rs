@@ -184,13 +184,14 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 23] = [
+    const FILES: [&str; 24] = [
         "addresses_take_the_type",
         "bit_fields",
         "boxes/boxes_315_2dp",
         "boxes/called_by_name",
         "boxes/choices_s7_300",
         "boxes/computed_in_steps",
+        "boxes/demux_by_number",
         "boxes/moves_of_all_types",
         "boxes/rotations_and_inversions",
         "boxes/rounding_out_of_range",

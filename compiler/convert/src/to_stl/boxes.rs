@@ -45,6 +45,9 @@ impl Maker<'_> {
         if let Kind::Step { up } = row.kind {
             return self.step_box(graph, plan, at, up);
         }
+        if row.kind == Kind::Demux {
+            return self.demux_box(graph, plan, at);
+        }
         if let Kind::Function(name @ ("SHL" | "SHR" | "ROL" | "ROR")) = row.kind {
             return self.shift_box(graph, plan, at, name);
         }

@@ -1,4 +1,4 @@
-//! SEL, MIN, MAX and LIMIT for an S7-300, whose STL has no instructions with these names. Source: LAD/FBD reference C.8, C.13.
+//! SEL, MIN, MAX and LIMIT for an S7-300, whose STL has no instructions with these names, and DEMUX. Source: LAD/FBD reference C.8, C.13.
 
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::Operand;
@@ -7,7 +7,9 @@ use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 use super::boxes::Check;
+use super::logic::Logic;
 use super::plan::Plan;
+use super::values::width_of;
 
 type Load = Vec<(StlInsn, Option<Operand>)>;
 
@@ -104,6 +106,69 @@ impl Maker<'_> {
             maker.store_pin(graph, plan, at, "out", ty);
         });
         Some(())
+    }
+
+    /// DEMUX: IN to the output with number K, or to ELSE, with ENO 0.
+    pub fn demux_box(&mut self, graph: &Graph, plan: &Plan, at: usize) {
+        let element = &graph.elements[at];
+        let Some(ty) = self.box_type(element, &["in", "out0"]) else { return };
+        if !(8..=32).contains(&ty.bits()) {
+            return self.refuse(
+                element.span,
+                format!("DEMUX of {}", ty.name()),
+                "write the network with other elements",
+            );
+        }
+        let number = element.pin("k").map(|pin| &pin.value);
+        let of_number = number.and_then(|value| self.type_of(value).or_else(|| width_of(value)));
+        let of_number = of_number.unwrap_or(Elementary::Dint);
+        let Some(load) = self.load(graph, at, "in", ty) else { return };
+        let mut ways: Vec<(Logic, String)> = Vec::new();
+        let mut otherwise = None;
+        for pin in element.pins.iter().filter(|pin| pin.output && pin.name != "eno") {
+            match pin.value {
+                PinValue::Operand(_) => {}
+                PinValue::Net(net) if plan.is_used(net) => {
+                    let help = "connect a variable: only one of the outputs has a value";
+                    return self.refuse(pin.span, format!("a wire at the output `{}` of DEMUX", pin.name), help);
+                }
+                PinValue::Net(_) | PinValue::Open => {}
+            }
+            match pin.name.strip_prefix("out").and_then(|digits| digits.parse().ok()) {
+                Some(place) => {
+                    let Some(is_it) = self.equals_number(graph, at, "k", of_number, place) else { return };
+                    ways.push((is_it, pin.name.clone()));
+                }
+                None => otherwise = Some(pin.name.clone()),
+            }
+        }
+        let bit = self.saves_eno(graph, plan, at).then(|| self.temporary(Elementary::Bool));
+        let check = bit.clone().map_or(Check::Never, Check::Bit);
+        self.boxed(graph, plan, at, check, |maker| {
+            let end = maker.new_label();
+            let note = |maker: &mut Self, failed: bool| {
+                if let Some(bit) = &bit {
+                    maker.push(if failed { StlInsn::SetRlo } else { StlInsn::ClearRlo }, None);
+                    maker.push(StlInsn::Assign, Some(bit.clone()));
+                }
+            };
+            for (is_it, name) in &ways {
+                let next = maker.new_label();
+                maker.evaluate(is_it);
+                maker.jump(StlInsn::JumpIfNot, &next);
+                note(maker, false);
+                maker.push_loads(load.clone());
+                maker.store_pin(graph, plan, at, name, ty);
+                maker.jump(StlInsn::Jump, &end);
+                maker.label(&next);
+            }
+            note(maker, true);
+            if let Some(name) = &otherwise {
+                maker.push_loads(load);
+                maker.store_pin(graph, plan, at, name, ty);
+            }
+            maker.label(&end);
+        });
     }
 
     fn push_loads(&mut self, load: Load) {
