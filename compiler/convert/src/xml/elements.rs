@@ -1,9 +1,106 @@
-//! Start values of elements, in arrays of structures.
+//! Start values of elements: of lists, and in arrays of structures.
 
-use plcc_syntax::ast::{Bound, TypeKind, TypeRef};
+use std::slice;
 
-use super::interface::VALUES_MAX;
+use plcc_syntax::ast::{Bound, InitialKind, InitialValue, TypeKind, TypeRef};
+
 use crate::node::Node;
+
+/// No array has more start values than this.
+const VALUES_MAX: i64 = 100_000;
+
+/// The values of a list for an array with the indices of their elements, and the type of these; `None`: bounds or repetitions are not known,
+/// or there are too many.
+///
+/// The elements of arrays in an array are counted through; each list in the list begins at the first element of one of these.
+pub fn of_list<'v, 't>(
+    value: &'v InitialValue,
+    ty: &'t TypeRef,
+) -> Option<(Vec<(Vec<i64>, &'v InitialValue)>, &'t TypeRef)> {
+    let TypeKind::Array { element, .. } = &ty.kind else { return None };
+    let values = match &value.kind {
+        InitialKind::List(values) => values.as_slice(),
+        _ => slice::from_ref(value),
+    };
+    let mut numbered = Vec::new();
+    run(values, element, 0, &mut 0, &mut numbered)?;
+    let (mut limits, mut innermost) = (Vec::new(), ty);
+    while let TypeKind::Array { bounds, element } = &innermost.kind {
+        for bounds in bounds {
+            limits.push(limit(bounds)?);
+        }
+        innermost = element;
+    }
+    let found = numbered.into_iter().map(|(number, value)| {
+        let mut rest = number;
+        // The last index counts first.
+        let path = limits.iter().rev().map(|(low, size)| {
+            let index = low + rest % size;
+            rest /= size;
+            index
+        });
+        let mut path: Vec<i64> = path.collect();
+        path.reverse();
+        (rest == 0).then_some((path, value))
+    });
+    Some((found.collect::<Option<Vec<_>>>()?, innermost))
+}
+
+/// Numbers values for elements of type `element`, the next of which has the number `start + next`.
+fn run<'v>(
+    values: &'v [InitialValue],
+    element: &TypeRef,
+    start: i64,
+    next: &mut i64,
+    found: &mut Vec<(i64, &'v InitialValue)>,
+) -> Option<()> {
+    let size = size_of(element)?;
+    for value in values {
+        if start.saturating_add(*next) >= VALUES_MAX {
+            return None;
+        }
+        match (&value.kind, &element.kind) {
+            (InitialKind::List(list), TypeKind::Array { element, .. }) => {
+                let at = next.checked_add(size - 1)? / size * size;
+                run(list, element, start.checked_add(at)?, &mut 0, found)?;
+                *next = at.checked_add(size)?;
+            }
+            (InitialKind::List(list), _) => run(list, element, start, next, found)?,
+            (InitialKind::Repeat { count: Bound::Number(count, _), values }, _) => {
+                for _ in 0..*count {
+                    let before = *next;
+                    run(values, element, start, next, found)?;
+                    if *next == before {
+                        break;
+                    }
+                }
+            }
+            (InitialKind::Repeat { .. }, _) => return None,
+            _ => {
+                found.push((start + *next, value));
+                *next += 1;
+            }
+        }
+    }
+    Some(())
+}
+
+/// How many elements of the innermost arrays a type has: 1 if it is no array.
+fn size_of(ty: &TypeRef) -> Option<i64> {
+    let TypeKind::Array { bounds, element } = &ty.kind else { return Some(1) };
+    let mut size = size_of(element)?;
+    for bounds in bounds {
+        size = size.checked_mul(limit(bounds)?.1)?;
+    }
+    Some(size)
+}
+
+/// The first index of a dimension and how many it has.
+fn limit((low, high): &(Bound, Bound)) -> Option<(i64, i64)> {
+    let (Bound::Number(low, _), Bound::Number(high, _)) = (low, high) else { return None };
+    let size = high.checked_sub(*low)?.checked_add(1)?;
+    (size >= 1).then_some((*low, size))
+}
 
 /// Gives each element of an array of structures, which is of type `ty`, the values that its declaration has for elements of arrays in the
 /// structure: their indices begin with those of the arrays around. `false`: the bounds are not known, or there are too many.
@@ -52,13 +149,12 @@ fn places(ty: &TypeRef) -> Option<Vec<Vec<i64>>> {
     };
     let mut found: Vec<Vec<i64>> = vec![Vec::new()];
     for bounds in bounds {
-        let (Bound::Number(low, _), Bound::Number(high, _)) = bounds else { return None };
-        let size = high.checked_sub(*low)?.checked_add(1)?;
-        if size < 1 || size.checked_mul(i64::try_from(found.len()).ok()?)? > VALUES_MAX {
+        let (low, size) = limit(bounds)?;
+        if size.checked_mul(i64::try_from(found.len()).ok()?)? > VALUES_MAX {
             return None;
         }
         let with = |path: &Vec<i64>, index: i64| path.iter().copied().chain([index]).collect::<Vec<i64>>();
-        found = found.iter().flat_map(|path| (*low..=*high).map(move |index| with(path, index))).collect();
+        found = found.iter().flat_map(|path| (low..low + size).map(move |index| with(path, index))).collect();
     }
     let inner = places(element)?;
     if found.len().saturating_mul(inner.len()) > VALUES_MAX as usize {

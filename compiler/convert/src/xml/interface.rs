@@ -16,9 +16,6 @@ use crate::node::Node;
 use crate::scl::expression;
 use crate::writer::Writer;
 
-/// No array has more start values than this.
-pub(super) const VALUES_MAX: i64 = 100_000;
-
 /// The interface of a block with code.
 pub fn of_code(block: &CodeBlock, library: &Library, writer: &mut Writer) -> Node {
     let mut sections = sections();
@@ -347,29 +344,10 @@ fn values_at(
                 values_at(&[around, index].concat(), value, of, node, library, writer);
             }
         }
-        (InitialKind::List(_) | InitialKind::Repeat { .. }, TypeKind::Array { bounds, element }) => {
-            let mut flat = Vec::new();
-            if !flatten(value, &mut flat) {
-                return refuse(value, writer);
-            }
-            let mut limits = Vec::new();
-            for (low, high) in bounds {
-                let (Bound::Number(low, _), Bound::Number(high, _)) = (low, high) else {
-                    return refuse(value, writer);
-                };
-                limits.push((*low, *high));
-            }
-            let mut index: Vec<i64> = limits.iter().map(|(low, _)| *low).collect();
-            for value in flat {
+        (InitialKind::List(_) | InitialKind::Repeat { .. }, TypeKind::Array { .. }) => {
+            let Some((values, element)) = elements::of_list(value, ty) else { return refuse(value, writer) };
+            for (index, value) in values {
                 values_at(&[around, &index].concat(), value, element, node, library, writer);
-                // The last index counts first.
-                for (at, (low, high)) in limits.iter().enumerate().rev() {
-                    index[at] += 1;
-                    if index[at] <= *high {
-                        break;
-                    }
-                    index[at] = *low;
-                }
             }
         }
         (InitialKind::Fields(fields), _) => {
@@ -438,21 +416,6 @@ fn refuse(value: &InitialValue, writer: &mut Writer) {
 fn refuse_at(span: Span, writer: &mut Writer) {
     let help = "add the source of its data type, or assign the value in the program";
     writer.refuse(span, "SimaticML has no form for this start value", help);
-}
-
-/// The values of a list, with those that are repeated.
-fn flatten<'a>(value: &'a InitialValue, flat: &mut Vec<&'a InitialValue>) -> bool {
-    match &value.kind {
-        InitialKind::List(values) => values.iter().all(|value| flatten(value, flat)),
-        InitialKind::Repeat { count: Bound::Number(count, _), values } => {
-            (0..*count).all(|_| flat.len() < VALUES_MAX as usize && values.iter().all(|value| flatten(value, flat)))
-        }
-        InitialKind::Repeat { .. } => false,
-        _ => {
-            flat.push(value);
-            true
-        }
-    }
 }
 
 /// The value of a constant of STL without the type of its member in front of it: `16#1F` of `B#16#1F`.

@@ -1,11 +1,12 @@
 //! `plcc convert` as a command: what it is called with, symbols and addresses, reports of migrations, folders.
 //!
-//! - `comments`: comments and regions; `documents`: SIMATIC SD; `xml`: SimaticML; `projects`: PLCopen XML.
+//! - `comments`: comments and regions; `declarations`: start values and instances; `documents`: SIMATIC SD; `xml`: SimaticML; `projects`: PLCopen XML.
 //! - `statements`: STL, SCL as STL, and the S7-200.
 //!
 //! `convert/` has the programs, and beside them what plcc writes: `plant.absolute`. `UPDATE_EXPECT=1` renews these.
 
 mod comments;
+mod declarations;
 mod documents;
 mod projects;
 mod statements;

@@ -51,8 +51,10 @@ fn outer<'a, 'i>(member: Node<'a, 'i>) -> impl Iterator<Item = Node<'a, 'i>> {
 
 /// The values of a member below arrays with `dimensions` dimensions in all.
 fn values(reader: &mut Reader, member: Node, dimensions: usize, depth: usize) -> Values {
-    let own = dimensions_of(member.attribute("Datatype").unwrap_or_default());
-    let around: usize = outer(member).map(|outer| dimensions_of(outer.attribute("Datatype").unwrap_or_default())).sum();
+    let levels = dimensions_of(member.attribute("Datatype").unwrap_or_default());
+    let own: usize = levels.iter().sum();
+    let outer = outer(member).flat_map(|outer| dimensions_of(outer.attribute("Datatype").unwrap_or_default()));
+    let around: usize = outer.sum();
     let mut whole = Values::new();
     let mut elements = Values::new();
     for (node, path, value) in own_values(reader, member) {
@@ -80,7 +82,13 @@ fn values(reader: &mut Reader, member: Node, dimensions: usize, depth: usize) ->
     match own {
         0 if whole.is_empty() => elements,
         _ => {
-            for (path, value) in grouped(elements, dimensions) {
+            // Each array in an array has values of its own.
+            let mut before = dimensions + own;
+            for level in levels.iter().rev() {
+                before -= level;
+                elements = grouped(elements, before);
+            }
+            for (path, value) in elements {
                 whole.entry(path).or_insert(value);
             }
             whole
@@ -144,18 +152,18 @@ fn own_values<'a, 'i>(reader: &mut Reader, member: Node<'a, 'i>) -> Vec<(Node<'a
     found
 }
 
-/// How many dimensions the type of a member has: 2 of `Array[0..3, 1..2] of Int`, and of `Array[0..3] of Array[1..2] of Int`.
-fn dimensions_of(text: &str) -> usize {
+/// How many dimensions the arrays of a member have: 2 of `Array[0..3, 1..2] of Int`, 1 and 1 of `Array[0..3] of Array[1..2] of Int`.
+fn dimensions_of(text: &str) -> Vec<usize> {
     let lower = text.to_ascii_lowercase();
     let mut rest = lower.trim();
-    let mut count = 0;
+    let mut levels = Vec::new();
     while let Some(inner) = rest.strip_prefix("array")
         && let Some((bounds, after)) = inner.trim_start().strip_prefix('[').and_then(|inner| inner.split_once(']'))
     {
-        count += bounds.split(',').count();
+        levels.push(bounds.split(',').count());
         rest = after.trim_start().strip_prefix("of").unwrap_or_default().trim_start();
     }
-    count
+    levels
 }
 
 /// Values of an instance data block, whose members come from its type.
@@ -191,8 +199,8 @@ mod tests {
 
     #[test]
     fn dimensions_are_counted_through() {
-        assert_eq!(dimensions_of("Int"), 0);
-        assert_eq!(dimensions_of("Array[0..\"MAX\", 1..2] of Array[1..2] of \"Array[0]\""), 3);
-        assert_eq!(dimensions_of("array [*] of Int"), 1);
+        assert!(dimensions_of("Int").is_empty());
+        assert_eq!(dimensions_of("Array[0..\"MAX\", 1..2] of Array[1..2] of \"Array[0]\""), [2, 1]);
+        assert_eq!(dimensions_of("array [*] of Int"), [1]);
     }
 }

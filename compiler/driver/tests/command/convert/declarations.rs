@@ -1,0 +1,45 @@
+//! Start values and instances.
+
+use std::fs;
+
+use super::{plcc, text};
+
+/// Arrays in an array, whose elements have all indices in XML.
+#[test]
+fn arrays_in_arrays_keep_their_start_values() {
+    const SCL: &str = r#"//@ cpu s7-1500
+FUNCTION_BLOCK "Rows"
+VERSION : 0.1
+VAR
+  nested : Array[0..1] of Array[1..2] of Int := [[1, 2], [3, 4]];
+  short : Array[0..1] of Array[1..2] of Int := [[5], [6]];
+  twice : Array[0..1] of Array[1..2] of Int := [2([7, 8])];
+  wide : Array[0..1, 1..2] of Int := [[1, 2], [3, 4]];
+END_VAR
+BEGIN
+  //@ assert #nested[0][2] == 2
+  //@ assert #nested[1][1] == 3
+  //@ assert #short[0][1] == 5
+  //@ assert #short[1][1] == 6
+  //@ assert #twice[1][2] == 8
+  //@ assert #wide[1, 1] == 3
+END_FUNCTION_BLOCK
+DATA_BLOCK "Rows_DB" "Rows"
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK "Main"
+BEGIN
+  "Rows_DB"();
+END_ORGANIZATION_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
+    for (from, to, made) in [("a.scl", "xml", "a.xml"), ("a.xml", "scl", "b.scl")] {
+        let written = plcc(folder, &["convert", from, "--to", to, "-o", made]);
+        assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+        let tested = plcc(folder, &["test", made, "--cpu", "s7-1500"]);
+        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(found.contains("6 passed, 0 failed"), "{made}: {found}");
+    }
+}
