@@ -169,6 +169,13 @@ impl Library {
         members.iter().all(is_known).then_some(name)
     }
 
+    /// Whether a name is that of a block or data type of the system, and the program has no other one by this name.
+    pub(super) fn is_of_system(&self, name: &BlockName) -> bool {
+        let name = self.folded(name);
+        let is_own = self.blocks.contains_key(&name) || self.types.contains(&name);
+        !is_own && (self.members.contains_key(&name) || self.system.contains_key(&name))
+    }
+
     /// The block of an instance data block.
     pub(super) fn instance(&self, name: &str) -> Option<String> {
         self.instances.get(&name.to_lowercase()).map(|of| self.block_name(of))

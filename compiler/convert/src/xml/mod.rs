@@ -387,6 +387,7 @@ fn data(
                 writer.warn(block.name.span(), title, help);
             }
             let more = match &ty.kind {
+                TypeKind::Block(of) if library.is_of_system(of) => of_instruction(&library.own_name(of), &block.header),
                 TypeKind::Block(of) if library.standard_name(of).is_none() => {
                     let is_type = library.types.contains(&library.folded(of));
                     let kind = if is_type { "UDT" } else { "FB" };

@@ -43,3 +43,25 @@ END_ORGANIZATION_BLOCK
         assert!(found.contains("6 passed, 0 failed"), "{made}: {found}");
     }
 }
+
+/// The type of a data block in quotes may still be one of the system.
+#[test]
+fn data_of_timers_are_no_instances_of_function_blocks() {
+    const SCL: &str = r#"DATA_BLOCK "Delay" "TON_TIME"
+BEGIN
+END_DATA_BLOCK
+DATA_BLOCK "Pause" "IEC_TIMER"
+BEGIN
+END_DATA_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
+    let written = plcc(folder, &["convert", "a.scl", "--to", "xml"]);
+    let document = text(&written.stdout);
+    for name in ["TON_TIME", "IEC_TIMER"] {
+        let wanted = format!("<OfSystemLibElement>{name}</OfSystemLibElement>");
+        assert!(document.contains(&wanted), "{document}{}", text(&written.stderr));
+    }
+    assert!(!document.contains("InstanceOfType"), "{document}");
+}
