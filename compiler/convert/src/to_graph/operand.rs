@@ -1,8 +1,9 @@
 //! Operands of statements as operands of networks.
 
 use plcc_diag::Span;
-use plcc_syntax::ast::{BlockName, Bound, Operand, OperandKind, PathPart, PathRoot, StatusOperand};
+use plcc_syntax::ast::{BlockName, Bound, Operand, OperandKind, PathPart, PathRoot, StatusOperand, Width};
 use plcc_syntax::literal::Literal;
+use plcc_syntax::scl::address;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Literal as SclLiteral, Name, NameForm, UnaryOp};
 use plcc_syntax::stl::StlInsn;
 use plcc_syntax::{Class, Elementary};
@@ -157,6 +158,11 @@ fn whole(number: i64, span: Span) -> Expr {
     }
 }
 
+/// `%X3`, which statements have as the name of a component.
+fn part_of_variable(name: &str) -> Option<(Width, u32)> {
+    address::slice(name).filter(|_| name.starts_with('%'))
+}
+
 /// An operand as networks have it.
 pub fn expression(operand: &Operand) -> Result<Expr, Reason> {
     // Without text of its own: the notation of the source is another one.
@@ -184,9 +190,12 @@ pub fn expression(operand: &Operand) -> Result<Expr, Reason> {
             let mut value = of(root);
             for part in &path.parts {
                 value = of(match part {
-                    PathPart::Member { name: text, .. } => ExprKind::Member {
-                        base: Box::new(value),
-                        name: Name { text: text.clone(), form: NameForm::Bare, span },
+                    PathPart::Member { name: text, .. } => match part_of_variable(text) {
+                        Some((width, index)) => ExprKind::Slice { base: Box::new(value), width, index },
+                        None => ExprKind::Member {
+                            base: Box::new(value),
+                            name: Name { text: text.clone(), form: NameForm::Bare, span },
+                        },
                     },
                     PathPart::Index { values, .. } => {
                         let mut indices = Vec::new();

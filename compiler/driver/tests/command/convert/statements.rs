@@ -21,6 +21,21 @@ fn start_values_keep_the_digits_of_an_lreal() {
     }
 }
 
+/// Parts of variables, `#w.%X2`, are no components.
+#[test]
+fn parts_of_variables_are_drawn() {
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/syntax/tia_slices.stl");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for notation in ["lad", "fbd"] {
+        let made = plcc(folder, &["convert", &list.display().to_string(), "--to", notation, "-o", "a.s7dcl"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let tested = plcc(folder, &["test", "a.s7dcl", "--cpu", "s7-1500"]);
+        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(found.contains("7 passed, 0 failed"), "{notation}: {found}");
+    }
+}
+
 /// `RET_VAL` without `#` is the value of the function, not a symbol of the program.
 #[test]
 fn values_of_functions_without_a_mark_are_local_in_xml() {
