@@ -243,7 +243,13 @@ impl Writer<'_> {
     }
 
     fn sd_network(&mut self, network: &Network, texts: &mut Texts) {
-        self.remarks_before(network.span.start);
+        // An assertion after statements that do nothing stands before the network.
+        let first = match &network.content {
+            Content::Graphic(graph) if network.labels.is_empty() => graph.elements.first(),
+            Content::Graphic(_) | Content::Scl(_) | Content::Stl(_) => None,
+        };
+        let first = first.map(|element| element.span.start).filter(|at| self.trivia.asserts_before(*at));
+        self.remarks_before(first.unwrap_or(network.span.start));
         self.network_attributes(network, texts);
         self.out.line("NETWORK");
         if let Some(word) = self.trivia.word("NETWORK", network.span.start, network.span.end) {

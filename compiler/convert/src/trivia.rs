@@ -71,6 +71,12 @@ impl<'a> Trivia<'a> {
         self.comments.get(self.next).is_some_and(|comment| comment.start < at)
     }
 
+    /// Whether one of the next comments, before byte `at`, is an assertion.
+    pub fn asserts_before(&self, at: u32) -> bool {
+        let next = self.comments[self.next..].iter().take_while(|comment| comment.start < at);
+        next.map(|comment| self.source.get(comment.range()).unwrap_or_default()).any(|own| own.starts_with("//@"))
+    }
+
     /// Whether one of the next comments, before byte `at`, has this text.
     pub fn has_text(&self, text: &str, at: u32) -> bool {
         let next = self.comments[self.next..].iter().take_while(|comment| comment.start < at);

@@ -84,7 +84,7 @@ impl Writer<'_> {
                 self.out.line("NETWORK");
                 self.out.indent();
             } else {
-                if asserts && at > 0 {
+                if asserts {
                     let title = "an assertion before this element stands inside its network, where `plcc test` does not read it";
                     self.warn(element.span, title, "move it after the network, or end the logic before it with SET");
                 }

@@ -21,6 +21,23 @@ fn start_values_keep_the_digits_of_an_lreal() {
     }
 }
 
+/// NOP is no element: what stands between it and the first one is before the network.
+#[test]
+fn assertions_after_nop_stand_before_their_network() {
+    let list = "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      NOP   0\n//@ assert M 0.0 == 0\n      SET\n      =     M 0.0\n\
+                //@ assert M 0.0 == 1\nEND_ORGANIZATION_BLOCK\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.stl"), list).expect("the folder can be written");
+    for notation in ["lad", "fbd"] {
+        let made = plcc(folder, &["convert", "a.stl", "--to", notation, "-o", "a.s7dcl"]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let tested = plcc(folder, &["test", "a.s7dcl"]);
+        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(found.contains("2 passed, 0 failed"), "{notation}: {found}");
+    }
+}
+
 /// Parts of variables, `#w.%X2`, are no components.
 #[test]
 fn parts_of_variables_are_drawn() {
