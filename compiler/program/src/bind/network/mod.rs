@@ -42,6 +42,7 @@ use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::scl::{SclBinder, SclBlock};
 use crate::bind::stl::StlBinder;
+use crate::bind::trees::cpu::needs_registers;
 use crate::bind::trees::mentions;
 use classic::Registers;
 use plcc_model::scl::{Expr, ExprKind, SclBody, Statement, StatementKind};
@@ -379,11 +380,6 @@ pub const fn is_about_drafts(code: Code) -> bool {
             | Code::GateInputs
             | Code::ElementPlace
     )
-}
-
-/// The element uses registers that only an S7-300 or S7-400 has: BR, status word, open data blocks, MCR.
-const fn needs_registers(kind: Kind) -> bool {
-    matches!(kind, Kind::OpenDb { .. } | Kind::Mcr(_) | Kind::CallCoil | Kind::Save | Kind::Flag(_))
 }
 
 /// The list of statements of a block of networks, as labels refer to it.

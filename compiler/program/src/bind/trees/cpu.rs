@@ -6,6 +6,8 @@ use plcc_abi::image::{Family, Profile};
 use plcc_diag::FileId;
 use plcc_model::profile;
 use plcc_syntax::ast::{self, SourceUnit, StatementKind};
+use plcc_syntax::network::ast::{Content, Target};
+use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::ExprKind;
 use plcc_syntax::stl::StlInsn;
 
@@ -45,6 +47,9 @@ pub fn implied_profile(units: &[(FileId, SourceUnit)]) -> Profile {
     if has_free_obs(units) {
         return Profile { limits_checked: false, ..profile::generic(Family::S71500) };
     }
+    if has_registers(units) {
+        return profile::generic(Family::S7300);
+    }
     let statements = units
         .iter()
         .flat_map(|(_, unit)| &unit.blocks)
@@ -60,6 +65,27 @@ pub fn implied_profile(units: &[(FileId, SourceUnit)]) -> Profile {
     });
     let four = instructions.any(|insn| matches!(insn, StlInsn::Enter | StlInsn::Leave));
     Profile { limits_checked: false, ..profile::generic(if four { Family::S7400 } else { Family::S7300 }) }
+}
+
+/// The element uses registers that only an S7-300 or S7-400 has: BR, status word, open data blocks, MCR.
+pub const fn needs_registers(kind: Kind) -> bool {
+    matches!(kind, Kind::OpenDb { .. } | Kind::Mcr(_) | Kind::CallCoil | Kind::Save | Kind::Flag(_))
+}
+
+/// Whether networks have such elements.
+fn has_registers(units: &[(FileId, SourceUnit)]) -> bool {
+    let bodies = units.iter().flat_map(|(_, unit)| &unit.blocks).filter_map(|block| match block {
+        ast::Block::Code(ast::CodeBlock { code: ast::Code::Graphic(body), .. }) => Some(body),
+        ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
+    });
+    let mut graphs = bodies.flat_map(|body| &body.networks).filter_map(|network| match &network.content {
+        Content::Graphic(graph) => Some(graph),
+        Content::Scl(_) | Content::Stl(_) => None,
+    });
+    graphs.any(|graph| {
+        let mut targets = graph.elements.iter().map(|element| &element.target);
+        targets.any(|target| matches!(target, Target::Element { row, .. } if needs_registers(row.kind)))
+    })
 }
 
 /// The family; `None`: the sources run on any family.
