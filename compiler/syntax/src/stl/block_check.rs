@@ -72,8 +72,9 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
     }
 }
 
-/// Warns of zones of the master control relay that do not match: the CPU goes to STOP when it executes the instruction. Zones act by their
-/// order in time: if a jump changes how many are open, their order in the text says nothing.
+/// Warns of zones of the master control relay that do not match: the CPU goes to STOP when it executes a `)MCR` too many, and `MCR(` and
+/// `)MCR` are always used in pairs. Zones act by their order in time: if a jump changes how many are open, their order in the text says
+/// nothing. Source: Statement List (STL), master control relay.
 fn zones<'s>(statements: impl Iterator<Item = &'s Statement>, diagnostics: &mut Vec<Diagnostic>) {
     let mut open: Vec<Span> = Vec::new();
     let mut found = Vec::new();
@@ -105,10 +106,15 @@ fn zones<'s>(statements: impl Iterator<Item = &'s Statement>, diagnostics: &mut 
             }
             _ => continue,
         };
-        found.push(Diagnostic { severity: Severity::Warning, ..message });
+        found.push(message);
     }
+    found.extend(open.iter().map(|opening| {
+        Diagnostic::new(Code::Nesting, *opening, "the zone of the MCR is not closed in its block")
+            .label("no `)MCR` closes it")
+            .help("write `)MCR` after the last instruction of the zone")
+    }));
     if jumps.iter().all(|(name, zones)| labels.get(name).is_none_or(|there| there == zones)) {
-        diagnostics.extend(found);
+        diagnostics.extend(found.into_iter().map(|message| Diagnostic { severity: Severity::Warning, ..message }));
     }
 }
 
