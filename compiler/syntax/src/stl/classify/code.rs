@@ -5,7 +5,7 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Classifier, header, is_end_of_block};
+use super::{Classifier, is_end_of_block};
 use crate::front::pragma::is_for_file;
 use crate::scl::keyword::is_statement_word;
 use crate::stl::mnemonics::{instruction, other};
@@ -27,7 +27,12 @@ impl<'a> Classifier<'a, '_> {
                     let upper = self.upper(self.at);
                     let word = upper.as_str();
                     if word == "TITLE" && matches!(self.last(), Some(Tok::Network | Tok::Begin)) {
-                        self.title_without_sign();
+                        self.title();
+                    } else if word == "TITLE"
+                        && matches!(self.last(), Some(Tok::Title(_)))
+                        && !self.begins_statement(self.at + 2)
+                    {
+                        self.code_title();
                     } else if self.kind_at(self.at + 1) == Some(RawKind::Colon) {
                         self.label();
                     } else if is_end_of_block(word) || self.block_keyword(self.at).is_some() {
@@ -84,19 +89,31 @@ impl<'a> Classifier<'a, '_> {
 
     /// `TITLE =` after NETWORK or BEGIN; elsewhere it is reported.
     pub(super) fn code_title(&mut self) {
-        let token = self.raw[self.at];
-        if matches!(self.last(), Some(Tok::Network | Tok::Begin | Tok::ImpliedOb)) {
-            let text = header::title_text(self.slice(token));
-            return self.take(Tok::Title(text));
+        match self.out.last() {
+            Some((_, Tok::Network | Tok::Begin | Tok::ImpliedOb, _)) => {
+                self.title();
+            }
+            Some(&(start, Tok::Title(_), end)) => {
+                let first = self.span_of(start, end);
+                let message = self.second_title("network", first);
+                self.report(message);
+            }
+            _ => {
+                let token = self.raw[self.at];
+                self.report(
+                    Diagnostic::new(
+                        Code::Syntax,
+                        self.span(token),
+                        "a title must follow `NETWORK`, before its statements",
+                    )
+                    .label("no network begins here")
+                    .help("write `NETWORK` on a line before it"),
+                );
+                self.end_of_label();
+                self.take(Tok::BadStatement);
+                self.end_statement();
+            }
         }
-        self.report(
-            Diagnostic::new(Code::Syntax, self.span(token), "a title must follow `NETWORK`, before its statements")
-                .label("no network begins here")
-                .help("write `NETWORK` on a line before it"),
-        );
-        self.end_of_label();
-        self.take(Tok::BadStatement);
-        self.end_statement();
     }
 
     /// `NETWORK`; listings have a number and a title on the same line.

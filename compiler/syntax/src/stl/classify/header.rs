@@ -1,6 +1,6 @@
 //! Classifies the words of the header of a block, and which part follows.
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Severity, Span};
 
 use super::{Classifier, Frame, is_end_of_block, is_section, unquoted};
 use crate::front::frame::{self, not_in_header};
@@ -23,18 +23,24 @@ impl<'a> Classifier<'a, '_> {
     /// Everything after the name: header, declarations, then code or values.
     pub(super) fn header(&mut self, frame: Frame) {
         let mut has_content = false;
+        let mut title = None;
         while let Some(token) = self.peek() {
             self.file_pragmas(token.start);
             let upper = self.upper(self.at);
             let word = upper.as_str();
             match token.kind {
                 RawKind::Semicolon => self.at += 1,
-                RawKind::Title => {
-                    let text = title_text(self.slice(token));
-                    self.take(Tok::Title(text));
+                RawKind::Title | RawKind::Word if token.kind == RawKind::Title || word == "TITLE" => {
+                    match title {
+                        None => title = Some(self.title()),
+                        Some(first) => {
+                            // The block is complete, whichever of them is meant.
+                            let message = self.second_title("block", first);
+                            self.report(Diagnostic { severity: Severity::Warning, ..message });
+                        }
+                    }
                 }
                 RawKind::LeftBrace => self.attributes(),
-                RawKind::Word if word == "TITLE" => self.title_without_sign(),
                 RawKind::Word if is_end_of_block(word) || self.block_keyword(self.at).is_some() => return,
                 RawKind::Word if word == "BEGIN" => {
                     self.take(Tok::Begin);
@@ -204,20 +210,43 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
-    /// `TITLE : text`, `TITLE text`: accepted as `TITLE = text`.
-    pub(super) fn title_without_sign(&mut self) {
-        let start = self.raw[self.at].start as usize;
+    /// Takes a title. Where it is.
+    pub(super) fn title(&mut self) -> Span {
+        let (span, text) = self.title_text();
+        self.push(span.start as usize, Tok::Title(text), span.end as usize);
+        span
+    }
+
+    /// The message for a title, which is left out: `what` had one before, `first`.
+    pub(super) fn second_title(&mut self, what: &str, first: Span) -> Diagnostic {
+        let (span, text) = self.title_text();
+        let help = match text {
+            "" => "remove it".to_owned(),
+            text => format!("write one title; more text is a comment: `// {text}`"),
+        };
+        Diagnostic::new(Code::Syntax, span, format!("the {what} has a title already"))
+            .label("a second title")
+            .also(first, "the first one")
+            .help(help)
+    }
+
+    /// Goes past `TITLE = text`; `TITLE : text` and `TITLE text` are accepted as the same. Where it is, and its text.
+    fn title_text(&mut self) -> (Span, &'a str) {
+        let token = self.raw[self.at];
         self.at += 1;
+        if token.kind == RawKind::Title {
+            let text = self.slice(token).split_once('=').map_or("", |(_, text)| text.trim());
+            return (self.span(token), text);
+        }
         if self.peek().is_some_and(|token| !token.first_on_line && token.kind == RawKind::Colon) {
             self.at += 1;
         }
-        let text_start = self.last_end();
+        let start = self.last_end();
         while self.peek().is_some_and(|token| !token.first_on_line) {
             self.at += 1;
         }
         let end = self.last_end();
-        let title = self.text[text_start..end].trim();
-        self.push(start, Tok::Title(title), end);
+        (self.span_of(token.start as usize, end), self.text[start..end].trim())
     }
 
     /// `AUTHOR : text`: to the end of the line, or to the next header keyword on it.
@@ -311,11 +340,6 @@ impl<'a> Classifier<'a, '_> {
         let end = self.last_end();
         self.push(end, Tok::RightBrace, end);
     }
-}
-
-/// Text after `TITLE =`.
-pub(super) fn title_text(token: &str) -> &str {
-    token.split_once('=').map_or("", |(_, text)| text.trim())
 }
 
 fn header_field(word: &str) -> Option<HeaderField> {
