@@ -8,13 +8,17 @@ use crate::stl::token::Tok;
 use crate::stl::{OperandClass, StlInsn};
 
 impl Classifier<'_, '_> {
-    /// `A (I 0.0 OR I 0.1)`, read up to its `)`, after `A (` that begins at byte `start`; false: something else follows.
+    /// `A (I 0.0 OR I 0.1)` and `A( O I 0.0 )`, read up to the `)`, after `A (` that begins at byte `start`; false: something else follows.
     pub(super) fn nested_operands(&mut self, insn: StlInsn, start: usize) -> bool {
-        if !insn.opens_nesting() || self.begins_statement(self.at) {
+        if !insn.opens_nesting() {
             return false;
         }
-        let Some(close) = self.closing(self.at) else { return false };
+        let Some(close) = self.closing(self.at).filter(|close| *close > self.at) else { return false };
         let opening = self.raw[self.at - 1];
+        if self.begins_statement(self.at) {
+            self.statements_on_line(opening, start, close);
+            return true;
+        }
         let mnemonic = self.text[start..opening.start as usize].trim();
         let inner = self.text[opening.end as usize..self.raw[close].start as usize].trim();
         let is_operator = |index: usize| {
@@ -28,6 +32,30 @@ impl Classifier<'_, '_> {
         self.report_parentheses(opening, close, "a statement has one operand, without parentheses", help);
         self.skip_parentheses(self.out.len() - 1, close);
         true
+    }
+
+    /// Reports statements between parentheses on one line, without `;`.
+    fn statements_on_line(&mut self, opening: RawToken, start: usize, close: usize) {
+        let mut first = self.at;
+        let mut lines = vec![format!("`{}(`", self.text[start..opening.start as usize].trim())];
+        while first < close {
+            let after_operand = |(insn, count): (StlInsn, usize)| match insn.operand() {
+                OperandClass::None => count,
+                _ => count + 1,
+            };
+            let from = first + self.mnemonic_at(first).map_or(1, after_operand);
+            let next = (from..close).find(|index| self.mnemonic_at(*index).is_some()).unwrap_or(close);
+            let statement = &self.text[self.raw[first].start as usize..self.raw[next - 1].end as usize];
+            lines.push(format!("`{statement}`"));
+            first = next;
+        }
+        let span = self.span_of(opening.start as usize, self.raw[close].end as usize);
+        self.report(
+            Diagnostic::new(Code::Syntax, span, "a statement ends with `;` or with its line")
+                .label("several statements")
+                .help(format!("write {} and `)` on lines of their own", lines.join(", "))),
+        );
+        self.skip_parentheses(self.out.len() - 1, close);
     }
 
     /// `FP(M 0.1)`, `L ABS(MW 0)`, read up to its `)`. `first`: index of the first token of the operand.
