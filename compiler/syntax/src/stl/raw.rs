@@ -374,7 +374,7 @@ fn number_length(rest: &str) -> usize {
     at
 }
 
-/// `1999-12-8`, `1999 - 12 - 8`, `1:10:3.3`.
+/// `1999-12-8`, `1999 - 12 - 8`, `1:10:3.3`; `1999/12/8` has signs of other places, and is wrong as a whole.
 fn date_length(rest: &str) -> usize {
     let bytes = rest.as_bytes();
     let mut end = extent::word(rest);
@@ -386,7 +386,7 @@ fn date_length(rest: &str) -> usize {
         let blanks = at > end;
         match bytes.get(at) {
             Some(b'-') => at += 1,
-            Some(b':' | b'.') if !blanks => at += 1,
+            Some(b':' | b'.' | b'/') if !blanks => at += 1,
             _ => return end,
         }
         while matches!(bytes.get(at), Some(b' ' | b'\t')) {
