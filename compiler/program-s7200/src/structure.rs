@@ -58,12 +58,15 @@ impl Structure {
             Insn::Next => self.next(span, report),
             Insn::Lscr => {
                 if let Some(first) = self.open_step() {
-                    report.push(
-                        Diagnostic::new(Code::StepPair, span, "a sequence step begins inside another one (0096)")
-                            .label("the previous step has no SCRE yet")
-                            .also(first, "this step")
-                            .help("end the previous step with SCRE"),
-                    );
+                    // With a wrong operand, something else than a step may be meant.
+                    if operands.is_some() {
+                        report.push(
+                            Diagnostic::new(Code::StepPair, span, "a sequence step begins inside another one (0096)")
+                                .label("the previous step has no SCRE yet")
+                                .also(first, "this step")
+                                .help("end the previous step with SCRE"),
+                        );
+                    }
                     // The new one replaces it.
                     self.open.retain(|open| !matches!(open, Open::Step(_)));
                 }
