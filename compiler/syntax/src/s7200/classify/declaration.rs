@@ -12,6 +12,7 @@ impl Classifier<'_, '_> {
         let start = code.first().map_or(self.end, |token| token.range().start);
         self.push(start..start, Tok::Declaration);
         self.place = Where::Declaration;
+        self.without_semicolon(code);
         // `list:ARRAY[1..5] OF INT;`: the type is reported, and what follows it is a part of it.
         let is_array = |ty: &RawToken| ty.text(self.text).eq_ignore_ascii_case("ARRAY");
         let code = match code {
@@ -22,6 +23,20 @@ impl Classifier<'_, '_> {
             self.operands(code);
         }
         self.place = Where::Statement;
+    }
+
+    /// Reports a declaration that is complete but for its `;`.
+    fn without_semicolon(&mut self, code: &[RawToken]) {
+        let [.., name, colon, ty] = code else { return };
+        if (name.kind, colon.kind, ty.kind) != (RawKind::Word, RawKind::Colon, RawKind::Word) {
+            return;
+        }
+        let declaration = self.slice(name.range().start..ty.range().end);
+        self.report(
+            Diagnostic::new(Code::DeclarationSyntax, self.span(ty.range()), "the declaration does not end with `;`")
+                .label("`;` is missing after this")
+                .help(format!("write `{declaration};`")),
+        );
     }
 
     /// `speed INT;`, read as `speed:INT;`.
