@@ -55,6 +55,10 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             let double = format!("{}D{}", &letters[..letters.len().checked_sub(1)?], &shown[letters.len()..]);
             Some(format!("an address register has 32 bits: write `{written} {double}`"))
         }
+        (OperandClass::Label, OperandKind::Path(path)) => {
+            let label = path.name()?;
+            Some(format!("write `{written} {label}`: a label has no `#` and no quotes"))
+        }
         (OperandClass::LoadSource, OperandKind::Literal(Literal::DateAndTime(_))) => Some(
             "a DATE_AND_TIME has 64 bits: pass it to a block as a parameter, or copy it with SFC 20 BLKMOV".to_owned(),
         ),

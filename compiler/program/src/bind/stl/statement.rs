@@ -220,7 +220,13 @@ impl StlBinder<'_, '_> {
                     message.help(format!("is `{other}` meant? Upper and lower case are different in labels"))
                 }
                 Some(other) => message.help(format!("is `{other}` meant?")),
-                None => message.help(format!("write `{name}:` before the statement to jump to")),
+                None => {
+                    let label = name.replace(|c: char| !c.is_alphanumeric() && c != '_', "_");
+                    message.help(match label == name {
+                        true => format!("write `{name}:` before the statement to jump to"),
+                        false => format!("write `{label}` here, and `{label}:` before the statement to jump to"),
+                    })
+                }
             });
             return None;
         };

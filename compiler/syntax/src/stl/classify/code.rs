@@ -210,8 +210,13 @@ impl<'a> Classifier<'a, '_> {
                 && (!token.first_on_line || !self.begins_statement(self.at))
                 && !self.ends_code(self.at)
             {
-                let name = self.slice(token);
-                self.take(Tok::Target(name));
+                match self.label_with_sign(self.at).filter(|(_, after)| self.ends_before(*after)) {
+                    Some((name, after)) => self.take_up_to(Tok::Target(name), after),
+                    None => {
+                        let name = self.slice(token);
+                        self.take(Tok::Target(name));
+                    }
+                }
             } else if let Some((token, rest)) = self.peek().zip(self.raw_at(self.at + 1))
                 && (token.kind, rest.kind) == (RawKind::Number, RawKind::Word)
                 && !token.first_on_line

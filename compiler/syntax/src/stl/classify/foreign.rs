@@ -2,7 +2,8 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::{Classifier, is_end_of_block, is_section};
+use super::{Classifier, is_end_of_block, is_section, unquoted};
+use crate::front::extent;
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{OperandClass, messages, suggest};
@@ -93,6 +94,34 @@ impl<'a> Classifier<'a, '_> {
                         .help("write `BEGIN` once in a block, after its declarations"),
                 );
                 self.at += 1;
+            }
+            RawKind::Word
+                if let Some((label, after)) = self.label_with_sign(index)
+                    && self.kind_at(after) == Some(RawKind::Colon) =>
+            {
+                let meant = label.replace(|c: char| !extent::is_word(c), "_");
+                let end = token.start as usize + label.len();
+                self.report(
+                    Diagnostic::new(
+                        Code::Syntax,
+                        self.span_of(token.start as usize, end),
+                        format!("`{label}` is not a label"),
+                    )
+                    .label("a label has letters, digits and `_`")
+                    .help(format!("write another label, such as `{meant}:`, here and in the jumps to it")),
+                );
+                self.end_of_label();
+                self.take_up_to(Tok::Label(label), after + 1);
+            }
+            RawKind::Quoted if self.kind_at(index + 1) == Some(RawKind::Colon) => {
+                let label = unquoted(slice);
+                self.report(
+                    Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not a label"))
+                        .label("a label has no quotes")
+                        .help(format!("write `{label}:`")),
+                );
+                self.end_of_label();
+                self.take_up_to(Tok::Label(label), index + 2);
             }
             RawKind::Word => {
                 // `SDT T 1`: no statement transfers to a number, so `T` is the letter of a timer.
@@ -214,6 +243,26 @@ impl<'a> Classifier<'a, '_> {
         self.push(start, Tok::BadStatement, end);
         self.end_statement();
         true
+    }
+
+    /// `lab-1`, `lab.1`, `lab 1` at `index`, with the index after it.
+    pub(super) fn label_with_sign(&self, index: usize) -> Option<(&'a str, usize)> {
+        let first = self.raw_at(index).filter(|token| token.kind == RawKind::Word)?;
+        let part = |at: usize| matches!(self.kind_at(at), Some(RawKind::Word | RawKind::Number));
+        let mut after = index + 1;
+        while matches!(self.kind_at(after), Some(RawKind::Minus | RawKind::Dot))
+            && part(after + 1)
+            && self.adjacent(after - 1)
+            && self.adjacent(after)
+        {
+            after += 2;
+        }
+        let number = self.raw_at(after).filter(|token| token.kind == RawKind::Number && !token.first_on_line);
+        if after == index + 1 && number.is_some() {
+            after += 1;
+        }
+        let last = self.raw_at(after - 1).filter(|_| after > index + 1)?;
+        Some((&self.text[first.start as usize..last.end as usize], after))
     }
 
     /// `1lab` of `1lab:` at `index`, and `1` of `1:` if a statement jumps there, with the index after the colon.
