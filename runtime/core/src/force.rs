@@ -346,8 +346,11 @@ impl Cpu {
         Ok(())
     }
 
-    /// Ends the forcing of a value, or of all.  `Err`: it is not forced.
+    /// Ends the forcing of a value, or of all. `Err`: it is not forced.
     pub fn unforce(&self, name: Option<&str>) -> Result<(), String> {
+        if name.is_some_and(|name| name.trim().is_empty()) {
+            return Err("the name is empty: write that of a forced value, or none to end all forcing".to_string());
+        }
         let ended: Vec<Forced> = {
             let mut table = self.force.table.borrow_mut();
             match name {

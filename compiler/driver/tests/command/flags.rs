@@ -73,6 +73,7 @@ fn wrong_flags_are_usage_errors() {
         (&["--print", "MW0;MW2"], "write MW0,MW2"),
         (&["--print", "MW20.5"], "write `M20.5` for bit 5 of byte 20, `MW20.%X5` for bit 5 of the value"),
         (&["--print", "L0.0"], "`L0.0` is neither an address"),
+        (&["--print", "\"\""], "the name is empty; write an address (such as Q4.0, MW20, DB10.DBD4)"),
         (&["--print", "M10"], "`M10` is not an address: write `M10.0` for a bit, `MB10` for a byte, `MW10` for a word"),
         (&["--print", "MW10 as DINT"], "`MW10` has 16 bits, but DINT has 32"),
         (&["--print", "MW10 as LREAL"], "`MW10` has 16 bits: name the byte where the LREAL begins, such as `MB10`"),

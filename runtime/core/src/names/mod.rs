@@ -41,6 +41,12 @@ const LISTED_MAX: usize = 12;
 /// Finds an absolute address or a symbolic name. `Err`: the error as a sentence.
 pub fn find(text: &str, image: &ProgramImage) -> Result<Named, String> {
     let text = text.trim();
+    if text.is_empty() || text == "\"\"" {
+        return Err(format!(
+            "the name is empty; write an address (such as {}) or a name of the program",
+            examples(image)
+        ));
+    }
     let bare = text.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(text);
     let is_symbol = image.symbols.iter().any(|symbol| symbol.name == text || symbol.name == bare);
     if !is_symbol && let Some(address) = address::parse_for(text, image).or_else(|| signal::analog_channel(text, image))

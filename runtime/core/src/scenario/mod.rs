@@ -147,6 +147,8 @@ mod tests {
         assert!(
             message("[[at]]\ncycle = 1\n\nset = { \"I0.0\" = 2 }\n").starts_with("s.toml:4: I0.0: `2` does not fit")
         );
+        let empty = message("[[at]]\ncycle = 1\nset = { \"\" = 1 }\n");
+        assert!(empty.starts_with("s.toml:3: the name is empty; write an address"), "{empty}");
         assert!(message("[[at]]\ncycle = 1\nevent = \"OB1\"\n").starts_with("s.toml:3: `OB1` is not an OB"));
         assert!(message("[[at]]\ncycle = 1\nevent = { ob = \"OB40\", x = 1 }\n").contains("no field `x`"));
         assert!(message("[[at]]\ntime = \"soon\"\n").starts_with("s.toml:2: `soon` is not a time"));

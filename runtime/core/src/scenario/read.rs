@@ -196,8 +196,10 @@ impl Reader<'_> {
                 return self.error(offset, &message);
             }
             let parsed = scalar_text(value).and_then(|text| setting(self, &name, &text));
-            let (source, value, tolerance) =
-                parsed.or_else(|message| self.error(offset, &format!("{name}: {message}")))?;
+            let (source, value, tolerance) = parsed.or_else(|message| match name.trim().is_empty() {
+                true => self.error(offset, &message),
+                false => self.error(offset, &format!("{name}: {message}")),
+            })?;
             let signal = Signal { name, source };
             settings.push(Setting { signal, value, tolerance, line: (self.line)(offset) });
         }

@@ -87,6 +87,8 @@ fn forcing_ends() {
     let cpu = forced(Family::S71500);
     assert_eq!(cpu.unforce(Some("I0.0")), Ok(()));
     assert_eq!(cpu.unforce(Some("I0.0")), Err("I0.0 is not forced".to_string()));
+    let empty = cpu.unforce(Some(" ")).expect_err("nothing has this name");
+    assert!(empty.starts_with("the name is empty"), "{empty}");
     run(&cpu, 1);
     assert_eq!(seen(&cpu)[..2], [0x83, 0x83]);
     assert_eq!(cpu.unforce(None), Ok(()));
