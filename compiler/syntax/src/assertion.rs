@@ -11,7 +11,7 @@ use crate::ast::{AssertOp, Assertion, Comparison, Condition, Side};
 const DEPTH_MAX: usize = 50;
 
 /// What is wrong with the form.
-pub const HELP: &str = "write e.g. `assert MW 10 == 5`, `assert MW 10 as INT < -5`, `assert STW.OV == 1 AND NOT (Q 4.0 == 1 OR ACCU1 == W#16#8000)`";
+pub const HELP: &str = "write e.g. `assert MW 10 == 5`, `assert #speed >= 100`, `assert MW 10 as INT < -5`; AND, OR and NOT join comparisons";
 
 /// A part of an assertion.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ enum Part {
 }
 
 /// Signs of other languages, and what an assertion has in their place.
-const SIGNS: &[(&str, &str)] = &[("!=", "<>"), (":=", "=="), ("&&", "AND"), ("||", "OR")];
+const SIGNS: &[(&str, &str)] = &[("!=", "<>"), (":=", "=="), ("&&", "AND"), ("||", "OR"), (";", "AND"), ("!", "NOT")];
 
 /// Reads an operand from its range, and reports what is wrong with it.
 type SideReader<'s, S> = dyn FnMut(Range<usize>, &mut Vec<Diagnostic>) -> Option<S> + 's;
@@ -120,13 +120,13 @@ fn parts(source: &str, range: Range<usize>) -> Vec<(Part, Range<usize>)> {
                 at += length;
                 Part::Compare(op)
             }
-            _ if let Some((_, meant)) = SIGNS.iter().find(|(sign, _)| source[at..range.end].starts_with(sign)) => {
-                at += 2;
-                Part::Foreign(meant)
-            }
             b';' if source[at + 1..range.end].trim().is_empty() => {
                 at = range.end;
                 Part::Foreign("")
+            }
+            _ if let Some((sign, meant)) = SIGNS.iter().find(|(sign, _)| source[at..range.end].starts_with(sign)) => {
+                at += sign.len();
+                Part::Foreign(meant)
             }
             byte if is_word(byte) => {
                 while at < range.end && is_word(bytes[at]) {
@@ -159,7 +159,7 @@ fn foreign_sign(span: Span, sign: &str, meant: &str) -> Diagnostic {
     let sign = sign.trim_end();
     let (title, help) = match meant {
         "" => ("an assertion has no `;` at its end".to_owned(), "remove it".to_owned()),
-        "AND" | "OR" => (format!("an assertion has `{meant}`, not `{sign}`"), format!("write `{meant}`")),
+        "AND" | "OR" | "NOT" => (format!("an assertion has `{meant}`, not `{sign}`"), format!("write `{meant}`")),
         _ => (format!("an assertion compares with `{meant}`, not with `{sign}`"), format!("write `{meant}`")),
     };
     Diagnostic::new(Code::Pragma, span, title).label("a form of other languages").help(help)
@@ -187,13 +187,27 @@ impl<S> Reader<'_, S> {
     }
 
     fn refuse<T>(&mut self, place: Range<usize>) -> Option<T> {
+        let help = self.missing().unwrap_or_else(|| HELP.to_owned());
         let place = if place.is_empty() { self.parts.last().map_or(place, |(_, last)| last.clone()) } else { place };
         self.diagnostics.push(
             Diagnostic::new(Code::Pragma, Span::new(self.file, place), "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
-                .help(HELP),
+                .help(help),
         );
         None
+    }
+
+    /// What to write where a part is missing.
+    fn missing(&self) -> Option<String> {
+        match (self.peek(), self.parts.last()?) {
+            (None, (part @ (Part::And | Part::Or | Part::Not | Part::Compare(_)), place)) => {
+                let wanted = if matches!(part, Part::Compare(_)) { "a value" } else { "a comparison" };
+                Some(format!("write {wanted} after `{}`", &self.source[place.clone()]))
+            }
+            (Some(Part::Close), _) => Some("remove `)`, or write the `(` that it closes".to_owned()),
+            (None, _) => Some("write `)` for each `(`".to_owned()),
+            (Some(_), _) => None,
+        }
     }
 
     /// A side without a comparison after it.
@@ -201,10 +215,16 @@ impl<S> Reader<'_, S> {
         let place = self.place();
         let place = if place.is_empty() { side.range() } else { place };
         let text = self.source.get(side.range()).unwrap_or_default();
+        let help = match self.peek() {
+            Some(Part::Open) => {
+                format!("an assertion calls no function: assign `{text}(…)` to a variable, and compare that")
+            }
+            _ => format!("compare `{text}` with a value, a bit as in `{text} == 1`"),
+        };
         self.diagnostics.push(
             Diagnostic::new(Code::Pragma, Span::new(self.file, place), "plcc cannot read this assertion")
                 .label("an assertion is: operand, comparison, operand")
-                .help(format!("compare `{text}` with a value, a bit as in `{text} == 1`")),
+                .help(help),
         );
         None
     }
@@ -359,6 +379,27 @@ mod tests {
         ] {
             assert_eq!(read(text).as_deref(), Ok(wanted), "{text}");
         }
+    }
+
+    #[test]
+    fn what_is_wrong_has_its_help() {
+        let help = |text: &str| {
+            let mut diagnostics = Vec::new();
+            let mut side = |range: Range<usize>, _: &mut Vec<Diagnostic>| Some(text[range].to_string());
+            assert!(parse(FileId(0), text, 0..text.len(), &mut diagnostics, &mut side).is_none(), "{text}");
+            diagnostics.remove(0).help.unwrap_or_default()
+        };
+        assert_eq!(help("#a == 1 AND"), "write a comparison after `AND`");
+        assert_eq!(help("#a =="), "write a value after `==`");
+        assert_eq!(help("(#a == 1"), "write `)` for each `(`");
+        assert_eq!(help("#a == 1)"), "remove `)`, or write the `(` that it closes");
+        assert_eq!(help("!#a == 1"), "write `NOT`");
+        assert_eq!(help("#a == 1; #b == 2"), "write `AND`");
+        assert_eq!(help("#a == 1;"), "remove it");
+        assert_eq!(
+            help("ABS(#a) == 1"),
+            "an assertion calls no function: assign `ABS(…)` to a variable, and compare that"
+        );
     }
 
     #[test]

@@ -58,6 +58,12 @@ fn side(file: FileId, source: &str, range: Range<usize>, diagnostics: &mut Vec<D
                 diagnostics.push(pragma::unreadable(place, "an assertion does not follow references", &help));
                 return None;
             }
+            if let Some(sign) = calculates(text) {
+                let place = Span::new(file, range.start + sign..range.start + sign + 1);
+                let help = format!("assign `{}` to a variable, and compare that", text.trim());
+                diagnostics.push(pragma::unreadable(place, "an assertion does not calculate", &help));
+                return None;
+            }
             let place = Span::new(file, range);
             diagnostics.push(match found.into_iter().next() {
                 Some(first) => pragma::about_side(first, assertion::HELP),
@@ -97,6 +103,13 @@ fn followed(text: &str) -> Option<usize> {
     let at = text.find('^')?;
     let is_outside = |quote: char| text[..at].matches(quote).count().is_multiple_of(2);
     (is_outside('"') && is_outside('\'') && text.trim_start().starts_with(['#', '"'])).then_some(at)
+}
+
+/// Where the sign of a calculation is between two operands: `#a + 1`.
+fn calculates(text: &str) -> Option<usize> {
+    let sign = |at: &usize| matches!(text.as_bytes()[*at], b'+' | b'-' | b'*' | b'/');
+    let mut signs = (1..text.len().saturating_sub(1)).filter(sign);
+    signs.find(|at| text[..*at].ends_with(' ') && text[at + 1..].starts_with(' ') && !text.contains(['\'', '"']))
 }
 
 /// True for a name with an index.
