@@ -1,9 +1,9 @@
-//! IEC timers in SCL whose time nothing sets: T#0S, so that they have run out at once.
+//! IEC timers in SCL whose time nothing sets, or whose time is negative: both are T#0S, so that they have run out at once.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_model::scl::{Access, Call, Instance, walk};
-use plcc_model::types::DataType;
+use plcc_model::scl::{Access, Actual, Call, Expr, ExprKind, Instance, walk};
+use plcc_model::types::{DataType, Elementary};
 use plcc_model::{BlockKey, Body, CodeBlock};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -14,7 +14,8 @@ use plcc_binding::fold;
 /// The input that has the time.
 const TIME: &str = "PT";
 
-/// Reports calls of timers without `PT`, if no call of that instance has it and the program sets no component PT.
+/// Reports calls of timers with a negative time, and those without `PT` if no call of that instance has it and the program sets no
+/// component PT.
 pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: &mut Vec<Diagnostic>) {
     let mut timed: FxHashSet<(Option<BlockKey>, String)> = FxHashSet::default();
     let mut bare: Vec<(Option<BlockKey>, String, Span)> = Vec::new();
@@ -23,8 +24,9 @@ pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: 
         if *language != Language::Scl {
             continue;
         }
-        let mut calls = Calls { program, found: Vec::new(), other_uses: FxHashMap::default() };
+        let mut calls = Calls { program, found: Vec::new(), negative: Vec::new(), other_uses: FxHashMap::default() };
         walk::statements(&body.statements, &mut calls);
+        found.extend(calls.negative.into_iter().map(|span| negative(program, span)));
         for (instance, has_time, span) in calls.found {
             // A block that gets the timer may give it a time.
             let has_time = has_time || calls.other_uses.get(&instance).is_some_and(|uses| *uses > 0);
@@ -54,6 +56,27 @@ pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: 
     }
 }
 
+/// The warning about the negative time at `span`.
+fn negative(program: &Declarations, span: Span) -> Diagnostic {
+    let written = program.globals.text(span);
+    let help = match written.contains('#') && written.contains('-') {
+        true => format!("write `{}`", written.replacen('-', "", 1).trim()),
+        false => "write a time above zero".to_owned(),
+    };
+    Diagnostic::new(Code::TimerWithoutTime, span, format!("the time of a timer is not negative, as `{written}` is"))
+        .label("as `T#0S`: the timer has run out at once")
+        .help(help)
+}
+
+/// Whether a value is a constant below zero.
+fn is_negative(value: &Expr) -> bool {
+    match (&value.kind, value.ty) {
+        (ExprKind::Const(bits), Elementary::Time) => (*bits as u32).cast_signed() < 0,
+        (ExprKind::Const(bits), Elementary::Ltime) => bits.cast_signed() < 0,
+        _ => false,
+    }
+}
+
 /// Whether a source names a component PT, as in `#t.PT := #delay` and `t : TON := (PT := T#5S)`, or has PRESET_TIMER.
 fn sets_a_time(program: &Declarations) -> bool {
     program.globals.input.sources.files().any(|(_, file)| {
@@ -70,6 +93,8 @@ fn sets_a_time(program: &Declarations) -> bool {
 struct Calls<'p, 'i> {
     program: &'p Declarations<'i>,
     found: Vec<(String, bool, Span)>,
+    /// Negative times.
+    negative: Vec<Span>,
     /// How often a structure is named as a whole, except as the instance of a call of a timer.
     other_uses: FxHashMap<String, i32>,
 }
@@ -90,6 +115,17 @@ impl walk::Visitor for Calls<'_, '_> {
         if !["TP", "TON", "TOF", "TONR"].contains(&name) {
             return;
         }
+        let Some(State::Done(Some(bound))) = self.program.interfaces.get(&call.target) else { return };
+        let is_time = |parameter: usize| {
+            let formal = bound.interface.parameters.get(parameter);
+            formal.is_some_and(|formal| formal.name.eq_ignore_ascii_case(TIME))
+        };
+        let time = call.arguments.iter().find(|argument| is_time(argument.parameter));
+        if let Some(Actual::Value(value)) = time.map(|argument| &argument.actual)
+            && is_negative(value)
+        {
+            self.negative.push(value.span);
+        }
         let instance = match &call.instance {
             Some(Instance::Db(number)) => format!("db {number}"),
             // An element of an array may be any of them.
@@ -100,14 +136,6 @@ impl walk::Visitor for Calls<'_, '_> {
             }
             Some(Instance::Variable(_)) | None => return,
         };
-        let Some(State::Done(Some(bound))) = self.program.interfaces.get(&call.target) else { return };
-        let has_time = call.arguments.iter().any(|argument| {
-            bound
-                .interface
-                .parameters
-                .get(argument.parameter)
-                .is_some_and(|formal| formal.name.eq_ignore_ascii_case(TIME))
-        });
-        self.found.push((instance, has_time, call.span));
+        self.found.push((instance, time.is_some(), call.span));
     }
 }
