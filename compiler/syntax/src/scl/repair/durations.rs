@@ -1,9 +1,10 @@
-//! Durations that blanks or colons part: `T#1h 30m`, `T# 5s`, `T#1:30:00`.
+//! Durations that blanks or colons part: `T#1h 30m`, `T# 5s`, `T#1:30:00`; dates with slashes: `D#2024/5/6`.
 
 use plcc_diag::{Code, Diagnostic};
 use plcc_literal::duration::{self, Fraction, Smallest};
 
 use super::Repair;
+use crate::literal::meant;
 use crate::scl::raw::{RawKind, RawToken};
 
 /// What a duration begins with.
@@ -36,6 +37,28 @@ impl Repair<'_> {
         let label = "no blanks and no colons inside a duration";
         self.messages.push(message.label(label).help(format!("write `{prefix}#{written}`")));
         self.replace(first, after, RawKind::Reported, None);
+        true
+    }
+
+    /// `D#2024/5/6`, `DATE#6/5/2024`: a date with slashes.
+    pub(super) fn date_with_slashes(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let prefix = match (token.kind, self.slice(token).split_once('#')) {
+            (RawKind::Literal, Some((prefix, value))) if value.bytes().all(|digit| digit.is_ascii_digit()) => prefix,
+            _ => return false,
+        };
+        let is_date = ["D", "DATE"].iter().any(|own| own.eq_ignore_ascii_case(prefix));
+        let kinds = [at + 1, at + 2, at + 3, at + 4].map(|index| self.kind(index));
+        let wanted = [RawKind::Slash, RawKind::Number, RawKind::Slash, RawKind::Number].map(Some);
+        if !is_date || kinds != wanted || !(at..at + 4).all(|index| self.adjacent(index)) {
+            return false;
+        }
+        let written = self.words(at, at + 4);
+        let help = meant::date(written, &written[prefix.len() + 1..]);
+        let title = format!("`{written}` is not a constant as STEP 7 writes it");
+        let message = Diagnostic::new(Code::BadLiteral, self.span(at, at + 5), title);
+        self.messages.push(message.label("the parts of a date are joined by `-`").help(help));
+        self.replace(at, at + 5, RawKind::Reported, None);
         true
     }
 

@@ -327,7 +327,12 @@ impl Repair<'_> {
             _ => {}
         }
         let is_text = token.kind == RawKind::Stray && self.curved_quotes(token);
-        if is_text || self.name_with_digit(token) || self.repair_number(token) || self.parted_duration(token) {
+        if is_text
+            || self.name_with_digit(token)
+            || self.repair_number(token)
+            || self.parted_duration(token)
+            || self.date_with_slashes(token)
+        {
             return;
         }
         self.at += 1;
