@@ -176,12 +176,21 @@ impl SclBinder<'_, '_> {
             },
             NodeKind::Binary { .. } if let Some((target, sign)) = compared_first(node) => {
                 let value = Span { start: sign.end, end: node.span.end, ..sign };
+                let length = (value.end - value.start) as usize;
                 let (target, value) = (self.program.globals.text(target.span), self.program.globals.text(value));
+                // `#count =+ 1` may be meant as `+=`.
+                let adds = match value.split_at_checked(1) {
+                    Some((sign @ ("+" | "-"), rest)) if rest.starts_with(' ') && value.len() == length => {
+                        let word = if sign == "+" { "add" } else { "subtract" };
+                        format!(", to {word} write `{target} := {target} {sign} {};`", rest.trim_start())
+                    }
+                    _ => String::new(),
+                };
                 ctx.scope.value_set = true;
                 self.program.report(
                     Diagnostic::new(Code::AssignSign, sign, "this compares and does nothing with the result")
                         .label("a comparison")
-                        .help(format!("to assign write `{target} := {value};`")),
+                        .help(format!("to assign write `{target} := {value};`{adds}")),
                 );
                 None
             }
