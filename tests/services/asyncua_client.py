@@ -217,13 +217,46 @@ async def units(client):
     assert await node(client, '"Values"."anInt"').get_properties() == []
 
 
+async def external(client):
+    """What declarations let clients do."""
+    async def access(path):
+        return (await node(client, path).read_attribute(ua.AttributeIds.AccessLevel)).Value.Value
+
+    async def names(path):
+        return [(await child.read_browse_name()).Name for child in await node(client, path).get_children()]
+
+    unknown, fixed = ua.StatusCodes.BadNodeIdUnknown, ua.StatusCodes.BadNotWritable
+    assert await names('"Guarded"') == ["open", "recipe", "mixed"]
+    await node(client, '"Guarded"."open"').write_value(7, V.Int16)
+    await refused(unknown, node(client, '"Guarded"."secret"').read_value())
+    await refused(unknown, node(client, '"Guarded"."secret"').write_value(7, V.Int16))
+    limit, recipe = '"Guarded"."recipe"."limit"', node(client, '"Guarded"."recipe"')
+    assert await node(client, limit).read_value() == 9.5 and await access(limit) == 1
+    await refused(fixed, node(client, limit).write_value(1.0, V.Float))
+    await node(client, '"Guarded"."recipe"."amount"').write_value(2.5, V.Float)
+    # As a whole it can be read, but not written.
+    value = await recipe.read_value()
+    assert (value.amount, value.limit) == (2.5, 9.5), value
+    await refused(fixed, recipe.write_value(value))
+    # A structure with a hidden component is no value.
+    assert await node(client, '"Guarded"."mixed"').read_node_class() == ua.NodeClass.Object
+    assert await names('"Guarded"."mixed"') == ["a"]
+    # Addresses are no way around that, here DB 5 to 7.
+    await refused(unknown, node(client, "%DB5.DBW0").read_value())
+    assert await node(client, "%DB6.DBD0").read_value() == 0x3FC00000
+    await refused(fixed, node(client, "%DB6.DBD0").write_value(0, V.UInt32))
+    await refused(unknown, node(client, "%DB7.DBW0").read_value())
+    await refused(unknown, node(client, '"Hidden"."a"').read_value())
+    await refused(unknown, node(client, '"Hidden"').read_browse_name())
+
+
 async def browse(client):
     assert await client.get_namespace_index("http://www.siemens.com/simatic-s7-opcua") == 3
     plc = await client.nodes.objects.get_child("3:PLC")
     names = [(await child.read_browse_name()).Name for child in await plc.get_children()]
     assert names[4:] == ["Inputs", "Outputs", "Memory", "Timers", "Counters", "DataBlocks"], names
     blocks = [(await child.read_browse_name()).Name for child in await (await plc.get_child("3:DataBlocks")).get_children()]
-    assert sorted(blocks) == ["Counted", "Fixed", "Groups", "Values"], blocks
+    assert sorted(blocks) == ["Counted", "Fixed", "Groups", "Guarded", "Limits", "Values"], blocks
     found = await plc.get_child(["3:DataBlocks", "3:Groups", "3:motors", "3:[2]", "3:speed"])
     assert found.nodeid.to_string() == 'ns=3;s="Groups"."motors"[2]."speed"', found
     assert (await found.get_path())[0].nodeid == client.nodes.root.nodeid
@@ -348,6 +381,7 @@ async def without_users():
         await groups(client)
         await parts_of_arrays(client)
         await structures(client)
+        await external(client)
         await units(client)
         await subscriptions(client)
         await events(client)

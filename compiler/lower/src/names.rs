@@ -64,6 +64,7 @@ impl Types {
             ty: self.number(&member.ty),
             byte: member.byte,
             bit: member.bit,
+            external: member.external,
         };
         members.iter().map(member).collect()
     }

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use plcc_abi::image::AssertType;
+use plcc_abi::names::External;
 pub use plcc_syntax::{Class, Elementary};
 
 /// Types that only parameters have.
@@ -75,13 +76,23 @@ pub struct StructType {
 }
 
 /// A component with its address, relative to the start of the structure.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Member {
     pub name: String,
     pub ty: DataType,
     pub byte: u32,
     pub bit: u8,
+    pub external: External,
 }
+
+/// What clients may do does not make another type.
+impl PartialEq for Member {
+    fn eq(&self, other: &Member) -> bool {
+        (&self.name, &self.ty, self.byte, self.bit) == (&other.name, &other.ty, other.byte, other.bit)
+    }
+}
+
+impl Eq for Member {}
 
 /// What values of an elementary type are at run time.
 pub const fn value_type(ty: Elementary) -> AssertType {

@@ -49,6 +49,17 @@ pub struct NamedStruct {
     pub is_dtl: bool,
 }
 
+/// What clients may do with a component that they name, by the attributes of its declaration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum External {
+    /// `ExternalAccessible := 'False'`
+    Hidden,
+    /// `ExternalWritable := 'False'`
+    Read,
+    #[default]
+    Write,
+}
+
 /// A component, relative to the start of its structure.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct NamedMember {
@@ -56,6 +67,7 @@ pub struct NamedMember {
     pub ty: TypeNumber,
     pub byte: u32,
     pub bit: u8,
+    pub external: External,
 }
 
 /// A place that code of the program names.

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::names::External;
 use plcc_abi::ob::ObClass;
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
 use plcc_stdlib::SystemBlock;
@@ -15,7 +16,7 @@ use super::declarations::Declarations;
 use super::declarations::block::CurrentBlock;
 use super::declarations::interface::variables;
 use super::declarations::path::Base;
-use super::declarations::typed::BoundInterface;
+use super::declarations::typed::{BoundInterface, Local};
 use super::globals::Globals;
 use super::globals::form::is_index;
 use super::globals::names::{code_kind, kind_prefix};
@@ -256,9 +257,14 @@ fn bind_block(program: &mut Declarations, key: BlockKey, fixed_span: Option<Span
 /// The TEMP variables of a block, views of them included, in the order of their addresses.
 fn temporaries(bound: &BoundInterface) -> Vec<Member> {
     let locals = bound.locals.values().filter(|local| matches!(local.base, Base::L));
-    let mut members: Vec<Member> = locals
-        .map(|local| Member { name: local.name.clone(), ty: local.ty.clone(), byte: local.byte, bit: local.bit })
-        .collect();
+    let member = |local: &Local| Member {
+        name: local.name.clone(),
+        ty: local.ty.clone(),
+        byte: local.byte,
+        bit: local.bit,
+        external: External::default(),
+    };
+    let mut members: Vec<Member> = locals.map(member).collect();
     members.sort_by(|a, b| (a.byte, a.bit, &a.name).cmp(&(b.byte, b.bit, &b.name)));
     members
 }

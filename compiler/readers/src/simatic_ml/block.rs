@@ -179,6 +179,8 @@ fn header(object: Node) -> Header {
         let optimized = if layout.eq_ignore_ascii_case("Optimized") { "TRUE" } else { "FALSE" };
         attributes.push(("S7_Optimized_Access".to_string(), optimized.to_string()));
     }
+    let is_hidden = text("DBAccessibleFromOPCUA").is_some_and(|value| value == "false");
+    attributes.extend(is_hidden.then(|| ("DB_Accessible_From_OPC_UA".to_string(), "FALSE".to_string())));
     attributes.extend(text("SecondaryType").map(|ty| ("SecondaryType".to_string(), ty)));
     let language = text("ProgrammingLanguage").filter(|language| language.starts_with(SAFETY));
     attributes.extend(language.map(|language| ("ProgrammingLanguage".to_string(), language)));

@@ -31,13 +31,14 @@ fn number_of(ty: &NamedType) -> Option<&NamedMember> {
 #[cfg(test)]
 mod tests {
     use plcc_abi::image::{AssertType, Kept};
-    use plcc_abi::names::{Dimension, NamedStruct};
+    use plcc_abi::names::{Dimension, External, NamedStruct};
 
     use super::*;
 
     #[test]
     fn numbers_of_charts_are_found_in_arrays_and_structures() {
-        let member = |name: &str, ty, byte| NamedMember { name: name.to_string(), ty, byte, bit: 0 };
+        let external = External::default();
+        let member = |name: &str, ty, byte| NamedMember { name: name.to_string(), ty, byte, bit: 0, external };
         let structure = |members| {
             NamedType::Struct(NamedStruct { name: String::new(), data_type: String::new(), members, is_dtl: false })
         };

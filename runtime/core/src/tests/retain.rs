@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use plcc_abi::image::{AssertType, DbEntry, Family, Kept, ProgramImage, RetainInterval};
 use plcc_abi::layout;
-use plcc_abi::names::{NamedMember, NamedStruct, NamedType};
+use plcc_abi::names::{External, NamedMember, NamedStruct, NamedType};
 
 use super::helpers::{Block, cpu_with, run};
 use crate::counters;
@@ -44,7 +44,8 @@ fn db(number: u16, kept: Kept) -> DbEntry {
 }
 
 fn types(second: &str) -> Vec<NamedType> {
-    let member = |name: &str, byte| NamedMember { name: name.to_string(), ty: 0, byte, bit: 0 };
+    let external = External::default();
+    let member = |name: &str, byte| NamedMember { name: name.to_string(), ty: 0, byte, bit: 0, external };
     let members = vec![member("first", 0), member("second", 2)];
     let members =
         members.into_iter().map(|m| if m.name == "second" { NamedMember { name: second.to_string(), ..m } } else { m });
@@ -278,7 +279,8 @@ fn references_into_other_data_blocks_get_their_initial_values() {
             members,
             is_dtl: false,
         };
-        let reference = NamedMember { name: "p".to_string(), ty: 2, byte: 0, bit: 0 };
+        let external = External::default();
+        let reference = NamedMember { name: "p".to_string(), ty: 2, byte: 0, bit: 0, external };
         image.types.push(NamedType::Struct(structure("REF_TO INT", Vec::new())));
         image.types.push(NamedType::Struct(structure("", vec![reference])));
         image.profile.family = Family::S71500;

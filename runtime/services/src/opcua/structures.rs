@@ -294,7 +294,7 @@ mod tests {
     use plcc_abi::ProgramImage;
     use plcc_abi::image::{Config, DbEntry, Family, Kept, Profile};
     use plcc_abi::layout;
-    use plcc_abi::names::{NamedMember, NamedStruct, NamedType, TypeNumber};
+    use plcc_abi::names::{External, NamedMember, NamedStruct, NamedType, TypeNumber};
     use plcc_runtime::clock::Clock;
     use plcc_runtime::code::Code;
     use plcc_runtime::io::Simulated;
@@ -311,9 +311,14 @@ mod tests {
     /// DB 1 `Groups` with `one : Motor` and `motors : ARRAY[1..2] OF Motor`; a motor is `speed : REAL`, `running : BOOL`, `name : STRING[10]`,
     /// `hours : ARRAY[1..3] OF UINT`.
     fn image() -> ProgramImage {
-        let members = |members: &[(&str, TypeNumber, u32)]| {
-            members.iter().map(|&(name, ty, byte)| NamedMember { name: name.to_string(), ty, byte, bit: 0 }).collect()
+        let member = |&(name, ty, byte): &(&str, TypeNumber, u32)| NamedMember {
+            name: name.to_string(),
+            ty,
+            byte,
+            bit: 0,
+            external: External::default(),
         };
+        let members = |members: &[(&str, TypeNumber, u32)]| members.iter().map(member).collect();
         let structure = |name: &str, list: &[(&str, TypeNumber, u32)]| {
             let data_type = String::new();
             NamedType::Struct(NamedStruct { name: name.to_string(), data_type, members: members(list), is_dtl: false })

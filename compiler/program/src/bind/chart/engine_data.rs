@@ -5,6 +5,7 @@
 mod set;
 mod times;
 
+use plcc_abi::names::External;
 use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::chart::ast::{Body as Chart, Dialect, Event};
@@ -413,6 +414,7 @@ fn raw(bytes: u32, members: &[(&str, Elementary, u32)]) -> DataType {
         ty: DataType::Elementary(ty),
         byte,
         bit: 0,
+        external: External::default(),
     };
     let members = members.iter().map(member).collect();
     DataType::Struct(std::rc::Rc::new(StructType {

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use plcc_abi::image::{BlockKind, Kept};
+use plcc_abi::names::External;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, DataContent, OperandKind, PathPart, PathRoot, TypeKind};
 use plcc_syntax::count::counted;
@@ -343,12 +344,16 @@ impl Declarations<'_> {
         }
         self.check_db_size(number, data.len() as u32, source.name.span());
         let kept = self.kept(&source.header, &source.retained, instance_of, &typed.ty);
+        let mut members = typed.ty.members.clone();
+        if blocks::is_hidden(&source.header) {
+            members.iter_mut().for_each(|member| member.external = External::Hidden);
+        }
         let block = DataBlock {
             number,
             name: self.globals.names.block_name(BlockPrefix::Db, number),
             span: source.name.span(),
             data: at_least_a_word(data),
-            members: typed.ty.members.clone(),
+            members,
             instance_of,
             data_type: if instance_of.is_none() { typed.ty.name.clone() } else { String::new() },
             read_only: source.header.read_only,

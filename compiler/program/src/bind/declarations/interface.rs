@@ -174,7 +174,8 @@ impl<'a> Declarations<'a> {
                 } else {
                     typed.clone()
                 };
-                let (byte, bit) = builder.add(variable.name.clone(), &stored);
+                let external = blocks::external(variable);
+                let (byte, bit) = builder.add_external(variable.name.clone(), &stored, external);
                 if builder.too_large() {
                     break;
                 }

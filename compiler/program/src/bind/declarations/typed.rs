@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use plcc_abi::names::External;
 use plcc_binding::constant::Constants;
 use plcc_model::Interface;
 use plcc_model::layout::{self, BYTES_MAX, Placer};
@@ -98,6 +99,11 @@ pub struct StructBuilder {
 
 impl StructBuilder {
     pub fn add(&mut self, name: String, typed: &Typed) -> (u32, u8) {
+        self.add_external(name, typed, External::default())
+    }
+
+    /// As [`StructBuilder::add`], with what clients may do.
+    pub fn add_external(&mut self, name: String, typed: &Typed, external: External) -> (u32, u8) {
         let (byte, bit) = self.placer.place(&typed.ty);
         let end = byte as usize + typed.image.len();
         if end as u64 <= 2 * BYTES_MAX {
@@ -106,7 +112,7 @@ impl StructBuilder {
             }
             put(&mut self.image, byte, bit, &typed.ty, &typed.image);
         }
-        self.members.push(Member { name, ty: typed.ty.clone(), byte, bit });
+        self.members.push(Member { name, ty: typed.ty.clone(), byte, bit, external });
         (byte, bit)
     }
 

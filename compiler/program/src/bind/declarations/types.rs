@@ -12,7 +12,7 @@ use crate::bind::declarations::typed::{
     DeclarationScope, StructBuilder, Typed, TypedStruct, Use, elementary_typed, put, string, wide_string,
 };
 use crate::bind::declarations::{Declarations, State, predefined};
-use crate::bind::trees::SYSTEM_FILE;
+use crate::bind::trees::{SYSTEM_FILE, blocks};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
 use plcc_model::layout::{self, BYTES_MAX};
@@ -447,7 +447,7 @@ impl<'a> Declarations<'a> {
             }
             let typed = self.variable_type(variable, used);
             let typed = self.with_initial(typed, variable);
-            builder.add(variable.name.clone(), &typed);
+            builder.add_external(variable.name.clone(), &typed, blocks::external(variable));
             if builder.too_large() {
                 break;
             }

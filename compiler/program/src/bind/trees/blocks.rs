@@ -1,5 +1,6 @@
 //! What a block states about itself.
 
+use plcc_abi::names::External;
 use plcc_abi::ob::ObClass;
 use plcc_syntax::ast::{self, BlockName, CodeKind};
 use plcc_syntax::chart::ast as chart;
@@ -14,6 +15,27 @@ pub fn is_optimized(header: &ast::Header) -> bool {
         OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
             && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE")
     })
+}
+
+/// Whether an attribute says FALSE.
+fn is_denied(attributes: &[(String, String)], name: &str) -> bool {
+    attributes.iter().any(|(known, value)| {
+        known.eq_ignore_ascii_case(name) && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("FALSE")
+    })
+}
+
+/// What clients may do with a variable. Whether a panel lists it (ExternalVisible) is no matter of the CPU.
+pub fn external(variable: &ast::Variable) -> External {
+    match () {
+        () if is_denied(&variable.attributes, "ExternalAccessible") => External::Hidden,
+        () if is_denied(&variable.attributes, "ExternalWritable") => External::Read,
+        () => External::Write,
+    }
+}
+
+/// Whether clients of OPC UA may not reach a data block.
+pub fn is_hidden(header: &ast::Header) -> bool {
+    is_denied(&header.attributes, "DB_Accessible_From_OPC_UA")
 }
 
 /// Whether a data block of the TIA Portal with standard access is retentive: SIMATIC SD says so, and sources say NON_RETAIN if it is not.

@@ -25,6 +25,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
+use plcc_abi::names::External;
 
 use super::code::{Id, NodeId};
 use super::standard::{self, HAS_COMPONENT, HAS_ENCODING, HAS_PROPERTY, HAS_SUBTYPE, OBJECTS, ORGANIZES};
@@ -51,6 +52,8 @@ pub struct Space {
     blocks: Vec<Thing>,
     /// Those of both that have names, by name.
     roots: HashMap<String, Thing>,
+    /// What clients may do with all of a value, by the numbers of the types.
+    least: Vec<External>,
     /// Of structures that can be a value, by the numbers of their types.
     shapes: Vec<Option<Arc<Shape>>>,
     /// Those that some variable has, and their places in `shapes` by name.
@@ -73,10 +76,12 @@ impl Space {
             tags: Vec::new(),
             blocks: Vec::new(),
             roots: HashMap::new(),
+            least: Vec::new(),
             shapes: Vec::new(),
             data_types: Vec::new(),
             by_name: HashMap::new(),
         };
+        space.find_least();
         space.find_shapes();
         space.tags = space.find_tags();
         space.blocks = space.image.dbs.iter().filter_map(|db| space.block(db)).collect();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use plcc_abi::names::{NamedMember, NamedType, TypeNumber};
+use plcc_abi::names::{External, NamedMember, NamedType, TypeNumber};
 
 use super::super::code::NodeId;
 use super::super::structures::{Field, Kind, Shape};
@@ -11,6 +11,29 @@ use super::thing::{Form, quoted};
 use super::{DATA, Space};
 
 impl Space {
+    /// Finds what clients may do with a value as a whole: no more than with any component of it. A type comes after those of its components.
+    pub(super) fn find_least(&mut self) {
+        let mut least: Vec<External> = Vec::with_capacity(self.image.types.len());
+        for ty in &self.image.types {
+            let of = |ty: TypeNumber| least.get(ty as usize).copied().unwrap_or_default();
+            let own = match ty {
+                NamedType::Struct(structure) => {
+                    let members = structure.members.iter().map(|member| member.external.min(of(member.ty)));
+                    members.min().unwrap_or_default()
+                }
+                NamedType::Array { element, .. } => of(*element),
+                NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. } => External::default(),
+            };
+            least.push(own);
+        }
+        self.least = least;
+    }
+
+    /// What clients may do with all of a value of this type.
+    pub(super) fn least(&self, ty: TypeNumber) -> External {
+        self.least.get(ty as usize).copied().unwrap_or_default()
+    }
+
     /// Finds the types of structures that are a component, an element or a tag. A type comes after those of its components.
     pub(super) fn find_shapes(&mut self) {
         let mut is_part = vec![false; self.image.types.len()];
@@ -44,6 +67,9 @@ impl Space {
             Form::Array(..) | Form::Other => None,
         };
         let field = |member: &NamedMember| {
+            if member.external == External::Hidden {
+                return None;
+            }
             let (kind, dimension) = match self.form(member.ty) {
                 // One dimension, as decoders of structures have it.
                 Form::Array([dimension], element) => (kind(element)?, Some(dimension.clone())),

@@ -1,6 +1,7 @@
 //! Which names and addresses a program has.
 
 use plcc_abi::image::{AssertType, DbEntry};
+use plcc_abi::names::External;
 use plcc_runtime::address::{self, Address, Place, Width};
 use plcc_runtime::names;
 use plcc_runtime::typed::ValueType;
@@ -10,7 +11,15 @@ use super::node::Folder;
 use super::thing::{Form, Thing, Ty, quoted};
 
 impl Space {
+    /// The node of a data block; `None`: clients may reach nothing of it.
     pub(super) fn block(&self, db: &DbEntry) -> Option<Thing> {
+        let ty = db.ty?;
+        if let Form::Struct(structure) = self.form(ty)
+            && !structure.members.is_empty()
+            && structure.members.iter().all(|member| member.external == External::Hidden)
+        {
+            return None;
+        }
         let absolute = format!("DB{}", db.number);
         let symbol =
             || self.image.symbols.iter().find(|symbol| symbol.address == absolute).map(|symbol| symbol.name.clone());
@@ -21,7 +30,7 @@ impl Space {
             parent: Folder::DataBlocks.name().to_string(),
             place: Place::Db(db.number, 0),
             bit: 0,
-            ty: Ty::Declared(db.ty?),
+            ty: Ty::Declared(ty),
             read_only: db.read_only,
         })
     }

@@ -1,7 +1,7 @@
 //! Things that have a value or consist of others: found by name or address, with their parts and types.
 
 use plcc_abi::image::AssertType;
-use plcc_abi::names::{Dimension, NamedMember, NamedStruct, NamedType, TypeNumber};
+use plcc_abi::names::{Dimension, External, NamedMember, NamedStruct, NamedType, TypeNumber};
 use plcc_runtime::address::{self, Place};
 use plcc_runtime::typed::{self, ValueType};
 
@@ -75,6 +75,9 @@ impl Space {
                     let Ty::Declared(ty) = thing.ty else { return None };
                     let Form::Struct(structure) = self.form(ty) else { return None };
                     let member = structure.members.iter().find(|member| member.name == name)?;
+                    if member.external == External::Hidden {
+                        return None;
+                    }
                     self.member(&thing, member)
                 }
                 Step::Index(indices) => self.element(&thing, &indices)?,
@@ -92,7 +95,12 @@ impl Space {
         let read_only = match address.place {
             Place::Db(number, _) => {
                 let db = self.image.dbs.iter().find(|db| db.number == number).filter(|db| !db.optimized)?;
-                db.read_only
+                // An address is not a way around what components say.
+                match db.ty.map_or(External::Write, |ty| self.least(ty)) {
+                    External::Hidden => return None,
+                    External::Read => true,
+                    External::Write => db.read_only,
+                }
             }
             _ => false,
         };
@@ -109,7 +117,7 @@ impl Space {
             place: thing.place.offset(member.byte),
             bit: member.bit,
             ty: Ty::Declared(member.ty),
-            read_only: thing.read_only,
+            read_only: thing.read_only || member.external != External::Write,
         }
     }
 
@@ -154,7 +162,7 @@ impl Space {
                 place: thing.place,
                 shape,
                 dimensions: dimensions.to_vec(),
-                read_only: thing.read_only,
+                read_only: thing.read_only || self.least(ty) != External::Write,
             }))
         };
         let memory = |ty: ValueType, dimensions: &[Dimension]| Some(Content::Memory(variable(ty, dimensions)));
@@ -214,7 +222,7 @@ impl Space {
         let Ty::Declared(ty) = thing.ty else { return Vec::new() };
         match self.form(ty) {
             Form::Struct(structure) => {
-                let members = structure.members.iter();
+                let members = structure.members.iter().filter(|member| member.external != External::Hidden);
                 let known = members.filter(|member| !matches!(self.form(member.ty), Form::Other));
                 known.map(|member| self.member(thing, member)).collect()
             }
