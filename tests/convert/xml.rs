@@ -273,6 +273,31 @@ END_DATA_BLOCK
     assert_eq!(flags.collect::<Vec<_>>(), wanted, "{written}");
 }
 
+/// A data block that clients of OPC UA may not reach.
+#[test]
+fn access_of_clients_to_data_blocks_stays() {
+    let source = r#"DATA_BLOCK "Hidden"
+{ DB_Accessible_From_OPC_UA := 'FALSE'; S7_Optimized_Access := 'TRUE' }
+VAR
+  a : Int;
+END_VAR
+BEGIN
+END_DATA_BLOCK
+"#;
+    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let (document, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
+    assert!(messages.is_empty(), "{messages:#?}");
+    assert!(document.contains("<DBAccessibleFromOPCUA>false</DBAccessibleFromOPCUA>"), "{document}");
+    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?}");
+    let others = plcc_convert::scl::Others::Refused;
+    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    assert!(written.contains("DB_Accessible_From_OPC_UA := 'FALSE'"), "{written}");
+}
+
 /// Versions of system blocks, and what panels may do with a variable.
 #[test]
 fn attributes_of_declarations_stay() {

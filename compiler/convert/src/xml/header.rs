@@ -20,6 +20,9 @@ pub(super) fn attributes(
         BlockName::Symbol { .. } => number_in(header),
     };
     set(&mut list, "AutoNumber", if number.is_none() || header.auto_number { "true" } else { "false" });
+    if attribute(header, &["DB_Accessible_From_OPC_UA"]).is_some_and(|value| value.eq_ignore_ascii_case("FALSE")) {
+        set(&mut list, "DBAccessibleFromOPCUA", "false");
+    }
     for (key, value) in
         [("HeaderAuthor", &header.author), ("HeaderFamily", &header.family), ("HeaderName", &header.name)]
     {
@@ -74,7 +77,8 @@ pub(super) fn of_instruction(name: &str, header: &Header) -> Vec<Node> {
 
 /// Reports what a header says and the file does not. `is_instruction`: the file says whose data the block has.
 pub(super) fn check_header(name: &BlockName, header: &Header, is_instruction: bool, writer: &mut Writer) {
-    const KNOWN: [&str; 12] = [
+    const KNOWN: [&str; 13] = [
+        "DB_Accessible_From_OPC_UA",
         "S7_SetENOAutomatically",
         "SetENOAutomatically",
         "S7_Optimized_Access",
