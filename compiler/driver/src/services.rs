@@ -225,7 +225,7 @@ pub fn read(keys: &ServicesKeys, file: FileId) -> (ServicesConfig, Vec<Diagnosti
             reader.checked(key, "write `GROUP/NODE` or `GROUP/NODE/DEVICE`", check)
         }),
         access: keys.access.map(Right::from),
-        clients: keys.client.iter().filter_map(|client| reader.client(client)).collect(),
+        clients: reader.clients(&keys.client),
         protection: match keys.protection.as_ref().map(Spanned::get_ref) {
             None | Some(ProtectionKey::None) => Protection::None,
             Some(ProtectionKey::Write) => Protection::Write,
@@ -332,14 +332,27 @@ impl Reader {
         }
     }
 
-    fn client(&mut self, keys: &ClientKeys) -> Option<Client> {
-        let address = &keys.address;
-        if !rights::is_network(address.get_ref()) {
-            let title = format!("`{}` is neither a computer nor a network", address.get_ref());
-            self.report(address, title, "write `192.168.0.7`, or `192.168.0.0/24`");
-            return None;
+    fn clients(&mut self, keys: &[ClientKeys]) -> Vec<Client> {
+        let mut clients: Vec<Client> = Vec::new();
+        for key in keys {
+            let address = key.address.get_ref();
+            if !rights::is_network(address) {
+                let title = format!("`{address}` is neither a computer nor a network");
+                self.report(&key.address, title, "write `192.168.0.7`, or `192.168.0.0/24`");
+                continue;
+            }
+            // Which of them counts, no reader could see.
+            if let Some(other) = clients.iter().find(|client| rights::is_same_network(&client.address, address)) {
+                let title = match other.address == *address {
+                    true => format!("two entries are for `{address}`"),
+                    false => format!("the entries for `{}` and `{address}` are for the same computers", other.address),
+                };
+                self.report(&key.address, title, "leave one of them out: it says what the computer may do");
+                continue;
+            }
+            clients.push(Client { address: address.clone(), right: key.access.into() });
         }
-        Some(Client { address: address.get_ref().clone(), right: keys.access.into() })
+        clients
     }
 
     fn interval(&mut self, key: &Spanned<String>) -> Option<u32> {
@@ -388,6 +401,19 @@ mod tests {
         assert_eq!(read.clients, [Client { address: "10.0.0.0/8".to_string(), right: Right::Control }]);
         assert_eq!((read.registers.coils.as_str(), read.registers.holding_registers.as_str()), ("Q0.0", "DB1.DBW0"));
         assert!(!config("name = \"a\"\n").0.linked);
+    }
+
+    #[test]
+    fn computers_have_one_entry_each() {
+        let client = |address: &str| format!("[[services.client]]\naddress = \"{address}\"\naccess = \"read\"\n");
+        let addresses = ["10.0.0.7", "10.0.0.7", "10.0.0.0/8", "10.1.0.0/8", "10.0.0.0/16"].map(client);
+        let (read, messages) = config(&format!("[services]\n{}", addresses.concat()));
+        let wanted = [
+            "two entries are for `10.0.0.7`",
+            "the entries for `10.0.0.0/8` and `10.1.0.0/8` are for the same computers",
+        ];
+        assert_eq!(messages, wanted);
+        assert_eq!(read.clients.len(), 3);
     }
 
     #[test]

@@ -54,6 +54,14 @@ pub fn is_network(text: &str) -> bool {
     Network::parse(text).is_some()
 }
 
+/// Whether two texts name the same computers.
+pub fn is_same_network(one: &str, other: &str) -> bool {
+    match (Network::parse(one), Network::parse(other)) {
+        (Some(one), Some(other)) => one.bits == other.bits && one.contains(other.address),
+        (Some(_) | None, _) => false,
+    }
+}
+
 impl Clients {
     /// `most`: what the flags allow; they allow no one who is not in a list.
     pub fn new(config: &ServicesConfig, most: Option<Right>) -> Clients {
@@ -137,6 +145,21 @@ mod tests {
         assert_eq!(of(&Clients::new(&config, Some(Right::Write)), "192.168.7.9"), Some(Right::Write));
         let all = ServicesConfig { clients: vec![client("0.0.0.0/0", Right::Read)], ..ServicesConfig::default() };
         assert_eq!(of(&Clients::new(&all, None), "10.0.0.1"), Some(Right::Read));
+    }
+
+    #[test]
+    fn networks_are_compared_by_the_bits_that_count() {
+        for (one, other, same) in [
+            ("192.168.0.7", "192.168.0.7/32", true),
+            ("10.0.0.0/8", "10.1.2.3/8", true),
+            ("10.0.0.0/8", "10.0.0.0/16", false),
+            ("10.0.0.0/8", "11.0.0.0/8", false),
+            ("fd00::/8", "fdff::1/8", true),
+            ("0.0.0.0/0", "::/0", false),
+            ("localhost", "localhost", false),
+        ] {
+            assert_eq!(is_same_network(one, other), same, "{one} {other}");
+        }
     }
 
     #[test]
