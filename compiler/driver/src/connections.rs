@@ -155,7 +155,10 @@ impl Reader {
     ) -> Option<u8> {
         match key {
             None => Some(usual),
-            Some(key) => number_within(key, range, what).map_err(|title| self.report(key, title, "")).ok(),
+            Some(key) => {
+                let help = "leave it out for rack 0 and slot 2; an S7-1200/1500 is in rack 0 and slot 1";
+                number_within(key, range, what).map_err(|title| self.report(key, title, help)).ok()
+            }
         }
     }
 
@@ -238,6 +241,16 @@ mod tests {
         ] {
             let (_, _, messages) = config(text);
             assert!(messages.len() == 1 && messages[0] == expected, "{text}: {messages:?}");
+        }
+    }
+
+    #[test]
+    fn racks_and_slots_out_of_range_get_a_help() {
+        for text in ["rack = 8", "slot = 32"] {
+            let source = SourceFile::new("plc.toml", format!("[connection.1]\npartner = \"a\"\n{text}\n"));
+            let (_, messages) = crate::project::parse(FileId(0), &source);
+            let help = messages.first().and_then(|message| message.help.as_deref()).unwrap_or_default();
+            assert!(help.contains("rack 0 and slot 1"), "{text}: {messages:?}");
         }
     }
 }
