@@ -148,7 +148,10 @@ fn in_declaration<'c>(index: &Index<'c>, entry: Option<Entry<'c>>, names: &[&str
     // `_.Motor`
     let is_type = matches!(names, [_] | ["_", _]);
     let typed = index.typed(bare(name)).filter(|_| is_type).map(Meaning::Block);
-    typed.or_else(|| along(index, None, names, false))
+    // A tag stands neither for a type nor for an initial value: beside a tag `Bool`, `Bool` is still the type.
+    let is_block = |symbol: &Symbol| matches!(symbol.target, SymbolTarget::Block { .. });
+    let is_tag = |found: &Meaning| matches!(found, Meaning::Symbol(symbol) if !is_block(symbol));
+    typed.or_else(|| along(index, None, names, false).filter(|found| !is_tag(found)))
 }
 
 /// The step or transition of which a component follows the point at a piece.

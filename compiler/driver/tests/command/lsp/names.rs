@@ -166,6 +166,25 @@ fn a_table_in_an_editor_is_part_of_the_program() {
     assert_eq!(lines(&mut editor, "tags.xml", "STRO|KES"), ["press.scl:21", "press.scl:24", "tags.xml:4"]);
 }
 
+/// Its name changes in its table and where it is used; `Bool` in a declaration stays the type.
+#[test]
+fn a_tag_may_have_the_name_of_a_type() {
+    let mut editor = Editor::new("tags");
+    editor.open("main.scl");
+    assert_eq!(editor.messages("main.scl"), Vec::<String>::new());
+    let mut params = editor.position("main.scl", "\"Bo|ol\" := NOT");
+    params["newName"] = json!("Flag");
+    let edits = editor.ask("textDocument/rename", params);
+    let mut found = Vec::new();
+    for (uri, edits) in edits["changes"].as_object().expect("changes") {
+        let name = uri.rsplit('/').next().unwrap_or_default();
+        let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
+        found.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", line(edit))));
+    }
+    found.sort();
+    assert_eq!(found, ["main.scl:7", "main.scl:9", "tags.xml:3"]);
+}
+
 /// Also right after the file was opened, when the others are not read yet.
 #[test]
 fn a_name_is_changed_everywhere_from_the_first_moment_on() {
