@@ -79,10 +79,20 @@ pub fn references(index: &Index, texts: &Texts, (wanted, name): &(Meaning, Strin
     found
 }
 
-/// The name in a row of a symbol table.
+/// The name in a row of a symbol table. XML has `&amp;` in place of `&`, and may have `&gt;` in place of `>`.
 fn name_in_row(index: &Index, row: Span, name: &str) -> Option<Span> {
-    let start = row.start as usize + index.checked.sources.text(row).find(name)?;
-    Some(Span::new(row.file, start..start + name.len()))
+    let text = index.checked.sources.text(row);
+    let short = escaped(name);
+    let long = short.replace('>', "&gt;").replace('\'', "&apos;");
+    let mut written = [name, &short, &long].into_iter();
+    let range = written.find_map(|name| text.find(name).map(|start| start..start + name.len()))?;
+    let first = row.start as usize;
+    Some(Span::new(row.file, first + range.start..first + range.end))
+}
+
+/// A name as XML writes it.
+fn escaped(name: &str) -> String {
+    name.replace('&', "&amp;").replace('<', "&lt;")
 }
 
 /// The places whose word is declared where this one is.
@@ -346,16 +356,15 @@ fn row_edit(index: &Index, row: Span, name: &str, to: &str) -> Result<(Span, Str
     if is("xlsx") {
         return Err(format!("`{name}` is in a workbook, which is not a text file: rename it there"));
     }
-    let to = if is("xml") { to.replace('&', "&amp;").replace('<', "&lt;") } else { to.to_owned() };
-    let text = index.checked.sources.text(row);
-    let start = text.find(name).ok_or("the symbol table writes the name in another way")?;
-    let blanks = text[start + name.len()..].chars().take_while(|c| *c == ' ').count();
+    let to = if is("xml") { escaped(to) } else { to.to_owned() };
+    let place = name_in_row(index, row, name).ok_or("the symbol table writes the name in another way")?.range();
+    let after = &index.checked.sources.text(row)[place.end - row.start as usize..];
+    let blanks = after.chars().take_while(|c| *c == ' ').count();
     let room = name.chars().count() + blanks;
     let length = to.chars().count();
     if blanks > 0 && length > room {
         return Err("the column of the symbol table is too narrow for this name".to_owned());
     }
     let padded = if blanks > 0 { format!("{to}{}", " ".repeat(room - length)) } else { to };
-    let first = row.start as usize + start;
-    Ok((Span::new(row.file, first..first + name.len() + blanks), padded))
+    Ok((Span::new(row.file, place.start..place.end + blanks), padded))
 }

@@ -182,7 +182,23 @@ fn a_tag_may_have_the_name_of_a_type() {
         found.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", line(edit))));
     }
     found.sort();
-    assert_eq!(found, ["main.scl:7", "main.scl:9", "tags.xml:3"]);
+    assert_eq!(found, ["main.scl:10", "main.scl:7", "main.scl:9", "tags.xml:3"]);
+}
+
+#[test]
+fn a_table_in_xml_writes_some_signs_of_a_name_in_another_way() {
+    let mut editor = Editor::new("tags");
+    editor.open("main.scl");
+    assert_eq!(editor.messages("main.scl"), Vec::<String>::new());
+    let found = editor.at("textDocument/references", "main.scl", "\"up| & down\"");
+    assert_eq!(editor.covered(&found), ["main.scl:10 \"up & down\"", "tags.xml:4 up &amp; down"]);
+    let mut params = editor.position("main.scl", "\"up| & down\"");
+    params["newName"] = json!("left & right");
+    let edits = editor.ask("textDocument/rename", params);
+    let texts = edits["changes"].as_object().expect("changes").values().flat_map(|edits| edits.as_array().cloned());
+    let mut texts: Vec<Value> = texts.flatten().map(|edit| edit["newText"].clone()).collect();
+    texts.sort_by_key(Value::to_string);
+    assert_eq!(texts, [json!("\"left & right\""), json!("left &amp; right")]);
 }
 
 /// Also right after the file was opened, when the others are not read yet.
