@@ -224,16 +224,21 @@ pub fn signature(index: &Index, words: &Words, file: FileId, byte: usize) -> Opt
         Some(name) if !after_comma => rows.iter().position(|(own, ..)| same(own, name)),
         _ => Some((open..at).filter(|&at| words.word(at) == ",").count()),
     };
+    Some(help(format!("{}({})", callee.name(), texts.join(", ")), &texts, active))
+}
+
+/// The parameters of a call, with the number of the one at the cursor.
+pub fn help(label: String, parameters: &[String], active: Option<usize>) -> SignatureHelp {
     let information =
         |label: &String| ParameterInformation { label: ParameterLabel::Simple(label.clone()), documentation: None };
-    Some(SignatureHelp {
+    SignatureHelp {
         signatures: vec![SignatureInformation {
-            label: format!("{}({})", callee.name(), texts.join(", ")),
+            label,
             documentation: None,
-            parameters: Some(texts.iter().map(information).collect()),
+            parameters: Some(parameters.iter().map(information).collect()),
             active_parameter: None,
         }],
         active_signature: Some(0),
         active_parameter: active.map(|active| active as u32),
-    })
+    }
 }

@@ -177,7 +177,10 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
         "textDocument/signatureHelp" => {
             let SignatureHelpParams { text_document_position_params, .. } = read(params)?;
             at(view, text_document_position_params, |view, words, byte| {
-                complete::signature(&Index::new(view.checked), words, view.file, byte)
+                match s7200::Names::of(view.checked, view.file) {
+                    Some(names) => names.signature(words, byte),
+                    None => complete::signature(&Index::new(view.checked), words, view.file, byte),
+                }
             })
         }
         "textDocument/documentSymbol" => {

@@ -2,7 +2,7 @@
 //!
 //! The syntax tree says what each operand is, so there is one list of uses; what an editor asks about a place is a question to that list.
 
-use lsp_types::{CompletionItem, CompletionItemKind};
+use lsp_types::{CompletionItem, CompletionItemKind, SignatureHelp};
 use plcc_diag::{FileId, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{
@@ -14,6 +14,7 @@ use plcc_syntax::symbols::S7200Symbol;
 
 use crate::Checked;
 use crate::address::{self, Address};
+use crate::complete;
 use crate::facts::same;
 use crate::values;
 use crate::words::{Words, bare};
@@ -333,8 +334,7 @@ impl<'c> Names<'c> {
     /// The names that can be an operand at a byte.
     pub fn operands(&self, words: &Words, file: FileId, byte: usize) -> Vec<CompletionItem> {
         let next = words.before(byte);
-        let line_start = words.text.get(..byte).map_or(0, |text| text.rfind('\n').map_or(0, |at| at + 1));
-        let first = (0..next).rev().take_while(|at| words.range(*at).start >= line_start).last();
+        let first = first_before(words, byte);
         let mnemonic = first.map_or("", |at| words.word(at)).to_ascii_uppercase();
         let owner = self.around(file, byte);
         let is_writing = next.checked_sub(1).is_some_and(|at| words.range(at).end >= byte);
@@ -364,6 +364,26 @@ impl<'c> Names<'c> {
         }
         items
     }
+
+    /// The parameters of the subroutine that is called in the line of a byte.
+    pub fn signature(&self, words: &Words, byte: usize) -> Option<SignatureHelp> {
+        let first = first_before(words, byte).filter(|&at| words.word(at).eq_ignore_ascii_case("CALL"))?;
+        let name = bare(words.word(first + 1));
+        let number = || -> Option<u32> { name.to_ascii_uppercase().strip_prefix("SBR")?.parse().ok() };
+        let numbered = || self.block_numbered(BlockKind::Subroutine, number()?);
+        let block = self.block_named(name).or_else(numbered)?.block;
+        let parameters = block.declarations.iter().filter(|one| !matches!(one.section, Section::Temp));
+        let texts: Vec<String> =
+            parameters.map(|one| format!("{} : {} {}", one.name, one.ty, section(one.section))).collect();
+        let commas = (first..words.before(byte)).filter(|&at| words.word(at) == ",").count();
+        Some(complete::help(format!("{name}, {}", texts.join(", ")), &texts, Some(commas.checked_sub(1)?)))
+    }
+}
+
+/// The first piece in the line of a byte, if it begins before that.
+fn first_before(words: &Words, byte: usize) -> Option<usize> {
+    let line_start = words.text.get(..byte).map_or(0, |text| text.rfind('\n').map_or(0, |at| at + 1));
+    (0..words.before(byte)).rev().take_while(|at| words.range(*at).start >= line_start).last()
 }
 
 fn item(label: &str, kind: CompletionItemKind, detail: &str) -> CompletionItem {

@@ -176,6 +176,13 @@ fn names_of_an_s7_200_are_known() {
     assert_eq!(labels(&found), ["3"]);
     let found = editor.at("textDocument/completion", "main.awl", "|MOVW   #now");
     assert!(labels(&found).contains(&"MOVW"));
+    for (piece, active) in [("CALL   Fill, Le|vel", 0), ("CALL   Fill, Level, |Pump", 1)] {
+        let found = editor.at("textDocument/signatureHelp", "main.awl", piece);
+        assert_eq!(found["signatures"][0]["label"], json!("Fill, now : INT IN, open : BOOL OUT"), "{found}");
+        assert_eq!(found["activeParameter"], json!(active), "{piece}");
+    }
+    let found = editor.at("textDocument/signatureHelp", "main.awl", "MOVW   #now, |VW102");
+    assert_eq!(found, Value::Null);
 }
 
 #[test]
