@@ -1,18 +1,26 @@
 //! The outline of a file, what folds, and the colour of words.
 
+use std::ops::Range;
+
 use lsp_types::{DocumentSymbol, FoldingRange, FoldingRangeKind, SemanticToken, SemanticTokenType, SymbolKind};
 use plcc_diag::FileId;
 use plcc_syntax::Language;
-use plcc_syntax::ast::{Block, Code};
+use plcc_syntax::ast::{Block, Code, CodeBlock};
+use plcc_syntax::s7200::ast::Block as S7200Block;
 
 use crate::chart;
 use crate::constants::{self, Constant};
 use crate::index::{Entry, Index};
+use crate::s7200;
 use crate::text::Lines;
 use crate::words::Words;
 
 /// The blocks of a file with their variables and networks.
 pub fn symbols(index: &Index, lines: &Lines, file: FileId) -> Vec<DocumentSymbol> {
+    let unit = index.checked.units.iter().find(|(own, _)| *own == file);
+    if let Some(source) = unit.and_then(|(_, unit)| unit.s7200.as_ref()) {
+        return source.blocks.iter().map(|block| s7200_block(lines, block)).collect();
+    }
     let blocks = index.blocks.iter().filter(|entry| entry.file == file);
     blocks.map(|entry| block(index, lines, *entry)).collect()
 }
@@ -33,20 +41,12 @@ fn block(index: &Index, lines: &Lines, entry: Entry) -> DocumentSymbol {
     }));
     children.extend(chart::of(entry).iter().map(|part| {
         let kind = if matches!(part, chart::Part::Step(_)) { SymbolKind::OBJECT } else { SymbolKind::EVENT };
-        let (name, whole) = (part.span().range(), part.whole().range());
-        let name = if whole.start <= name.start && name.end <= whole.end { name } else { whole.start..whole.start };
+        let whole = part.whole().range();
+        let name = within(part.span().range(), &whole);
         symbol(lines, part.name().to_owned(), part.kind(), kind, whole, name)
     }));
-    if let Block::Code(code) = entry.block
-        && let Code::Stl(networks) = &code.code
-    {
-        for (number, network) in networks.iter().enumerate() {
-            let (Some(first), Some(last)) = (network.statements.first(), network.statements.last()) else { continue };
-            let range = first.span.start as usize..last.span.end.max(first.span.start) as usize;
-            let name = format!("Network {}", number + 1);
-            let title = network.title.clone().unwrap_or_default();
-            children.push(symbol(lines, name, title, SymbolKind::NAMESPACE, range.clone(), range));
-        }
+    if let Block::Code(code) = entry.block {
+        children.extend(networks(lines, code));
     }
     let kind = match entry.block {
         Block::Code(_) => SymbolKind::FUNCTION,
@@ -54,12 +54,64 @@ fn block(index: &Index, lines: &Lines, entry: Entry) -> DocumentSymbol {
         Block::Type(_) => SymbolKind::STRUCT,
     };
     let whole = entry.block.span().range();
-    let name = entry.name().span().range();
-    let name = if whole.start <= name.start && name.end <= whole.end { name } else { whole.start..whole.start };
+    let name = within(entry.name().span().range(), &whole);
     let title = entry.title().unwrap_or(entry.keyword()).to_owned();
     let mut made = symbol(lines, entry.text(), title, kind, whole, name);
     made.children = Some(children);
     made
+}
+
+/// The networks of a block that has some.
+fn networks(lines: &Lines, block: &CodeBlock) -> Vec<DocumentSymbol> {
+    let made = |number: usize, title: Option<&String>, range: Range<usize>| {
+        let title = title.cloned().unwrap_or_default();
+        symbol(lines, format!("Network {number}"), title, SymbolKind::NAMESPACE, range.clone(), range)
+    };
+    match &block.code {
+        Code::Stl(networks) => {
+            let numbered = (1..).zip(networks);
+            let network = numbered.filter_map(|(number, network)| {
+                let (first, last) = (network.statements.first()?, network.statements.last()?);
+                let start = first.span.range().start;
+                Some(made(number, network.title.as_ref(), start..last.span.range().end.max(start)))
+            });
+            network.collect()
+        }
+        Code::Graphic(body) => {
+            let numbered = (1..).zip(&body.networks);
+            numbered.map(|(number, network)| made(number, network.title.as_ref(), network.span.range())).collect()
+        }
+        Code::Scl(_) | Code::Chart(_) => Vec::new(),
+    }
+}
+
+/// A block of an S7-200 with its variables and networks.
+fn s7200_block(lines: &Lines, block: &S7200Block) -> DocumentSymbol {
+    let variables = block.declarations.iter().map(|one| {
+        let (detail, range) = (format!("{} {}", one.ty, s7200::section(one.section)), one.name_span.range());
+        symbol(lines, one.name.clone(), detail, SymbolKind::VARIABLE, range.clone(), range)
+    });
+    let networks = (1..).zip(&block.networks).map(|(number, network)| {
+        let name = format!("Network {}", network.number.unwrap_or(number));
+        let head = network.span.range();
+        let end = network.statements.last().map_or(head.end, |last| last.span.range().end.max(head.end));
+        symbol(lines, name, network.title.clone(), SymbolKind::NAMESPACE, head.start..end, head)
+    });
+    let keyword = block.kind.keyword().to_owned();
+    let label = s7200::label(block);
+    let label = if label.is_empty() { keyword.clone() } else { label };
+    let title = if block.title.is_empty() { keyword } else { block.title.clone() };
+    let whole = block.span.range();
+    let name = block.name.as_ref().map(|(_, span)| *span).or(block.number.map(|(_, span)| span));
+    let name = name.map_or(whole.start..whole.start, |name| within(name.range(), &whole));
+    let mut made = symbol(lines, label, title, SymbolKind::FUNCTION, whole, name);
+    made.children = Some(variables.chain(networks).collect());
+    made
+}
+
+/// The place of a name: an editor takes only one that is in the place of the whole.
+fn within(name: Range<usize>, whole: &Range<usize>) -> Range<usize> {
+    if whole.start <= name.start && name.end <= whole.end { name } else { whole.start..whole.start }
 }
 
 fn symbol(
@@ -67,8 +119,8 @@ fn symbol(
     name: String,
     detail: String,
     kind: SymbolKind,
-    range: std::ops::Range<usize>,
-    selection: std::ops::Range<usize>,
+    range: Range<usize>,
+    selection: Range<usize>,
 ) -> DocumentSymbol {
     #[allow(deprecated, reason = "the type has no other constructor")]
     DocumentSymbol {

@@ -399,7 +399,8 @@ fn code(text: &str) -> String {
     format!("```plc\n{text}\n```\n")
 }
 
-const fn section(section: Section) -> &'static str {
+/// The word of a section.
+pub const fn section(section: Section) -> &'static str {
     match section {
         Section::Input => "IN",
         Section::InOut => "IN_OUT",
@@ -410,14 +411,19 @@ const fn section(section: Section) -> &'static str {
 
 /// `SUBROUTINE_BLOCK Scale SBR0`
 fn block_text(block: &Block) -> String {
+    format!("{} {}", block.kind.keyword(), label(block)).trim_end().to_owned()
+}
+
+/// `Scale SBR0`; a block without a header has neither name nor number.
+pub fn label(block: &Block) -> String {
     let letters = match block.kind {
         BlockKind::Main => "OB",
         BlockKind::Subroutine => "SBR",
         BlockKind::Interrupt => "INT",
     };
-    let name = block.name.as_ref().map_or(String::new(), |(name, _)| format!(" {name}"));
-    let number = block.number.map_or(String::new(), |(number, _)| format!(" {letters}{number}"));
-    format!("{}{name}{number}", block.kind.keyword())
+    let name = block.name.as_ref().map(|(name, _)| name.clone());
+    let number = block.number.map(|(number, _)| format!("{letters}{number}"));
+    name.into_iter().chain(number).collect::<Vec<_>>().join(" ")
 }
 
 /// The bits of a direct address. Timers, counters and accumulators are one thing each.

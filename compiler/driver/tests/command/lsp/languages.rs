@@ -218,3 +218,23 @@ fn elements_pins_and_wires_of_networks_are_explained() {
     let found = editor.at("textDocument/completion", "lamp.s7dcl", "#one( |on :=");
     assert_eq!(labels(&found), ["on", "time", "lit"]);
 }
+
+#[test]
+fn outlines_have_the_networks_of_all_languages() {
+    for (folder, file, block, parts) in [
+        ("wash", "main.awl", "MAIN OB1", &["Network 1", "Network 2"][..]),
+        ("wash", "main.awl", "Fill SBR0", &["now", "open", "Network 1"]),
+        ("alike", "lamp.s7dcl", "Lamp", &["on", "time", "lit", "T1", "Network 1"]),
+        ("plant", "main.stl", "FC 1", &["level", "limit", "rest", "Network 1"]),
+    ] {
+        let mut editor = Editor::new(folder);
+        editor.open(file);
+        editor.messages(file);
+        let document = json!({ "textDocument": { "uri": editor.uri(file) } });
+        let symbols = editor.ask("textDocument/documentSymbol", document);
+        let found = symbols.as_array().and_then(|blocks| blocks.iter().find(|one| one["name"] == block));
+        let children = found.and_then(|block| block["children"].as_array()).unwrap_or_else(|| panic!("{symbols}"));
+        let names: Vec<&str> = children.iter().filter_map(|one| one["name"].as_str()).collect();
+        assert_eq!(names, parts, "{block}");
+    }
+}
