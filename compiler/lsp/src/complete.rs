@@ -4,11 +4,11 @@ use lsp_types::{
     CompletionItem, CompletionItemKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation,
 };
 use plcc_diag::FileId;
-use plcc_syntax::ast::Block;
+use plcc_syntax::ast::{Block, BlockName};
 use plcc_syntax::network::elements::{self, PinDirection, PinRow};
 use plcc_syntax::scl::keyword::Keyword;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
-use plcc_syntax::{Language, s7200};
+use plcc_syntax::{Elementary, Language, s7200};
 
 use crate::chart::Component;
 use crate::constants::{self, Constant};
@@ -59,6 +59,9 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
         return globals(index);
     }
     let language = words.language(first.min(words.pieces.len().saturating_sub(1)));
+    if language != Language::S7200 && is_type(words, first) {
+        return types(index, language);
+    }
     let mut items = Vec::new();
     if matches!(before, "(" | ",") || language == Language::Stl && before == "(" {
         items.extend(parameters(index, words, file, first));
@@ -100,6 +103,50 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
         }
         Language::Sd | Language::Graph => {}
     }
+    items
+}
+
+/// Types that are not elementary ones.
+const TYPES: [&str; 4] = ["ARRAY", "DATE_AND_TIME", "STRING", "STRUCT"];
+
+/// Whether a piece is where a declaration has its type: after `:` or OF, as in `list : ARRAY[0..3] OF INT`.
+fn is_type(words: &Words, at: usize) -> bool {
+    // Words that begin and end declarations. Statements have `:` and OF too, after labels and in CASE.
+    const ENDS: [&str; 6] = ["BEGIN", "END_CONST", "END_TYPE", "END_VAR", "NETWORK", "RUNG"];
+    const BEGINS: [&str; 10] = [
+        "CONST",
+        "FUNCTION",
+        "STRUCT",
+        "TYPE",
+        "VAR",
+        "VAR_IN_OUT",
+        "VAR_INPUT",
+        "VAR_OUTPUT",
+        "VAR_STATIC",
+        "VAR_TEMP",
+    ];
+    let is = |at: usize, list: &[&str]| list.iter().any(|own| own.eq_ignore_ascii_case(words.word(at)));
+    if !at.checked_sub(1).is_some_and(|before| is(before, &[":", "OF"])) {
+        return false;
+    }
+    let last = (0..at).rev().find(|&at| is(at, &ENDS) || is(at, &BEGINS));
+    last.is_some_and(|at| is(at, &BEGINS))
+}
+
+/// Elementary types, and the data types and FBs of the program. Only the S7-1200 and S7-1500 have all; STL has those of the S7-300.
+fn types(index: &Index, language: Language) -> Vec<CompletionItem> {
+    let is_known = |ty: &&Elementary| language != Language::Stl || ty.is_of_s7300();
+    let names = Elementary::ALL.iter().filter(is_known).map(|ty| ty.name());
+    let mut items: Vec<CompletionItem> =
+        names.chain(TYPES).map(|name| item(name, CompletionItemKind::KEYWORD, "")).collect();
+    let blocks = index.blocks.iter().filter(|entry| matches!(entry.keyword(), "TYPE" | "FUNCTION_BLOCK"));
+    items.extend(blocks.map(|entry| {
+        let name = match entry.name() {
+            BlockName::Symbol { name, .. } => format!("\"{name}\""),
+            BlockName::Numbered { .. } => entry.text(),
+        };
+        item(&name, CompletionItemKind::STRUCT, entry.keyword())
+    }));
     items
 }
 

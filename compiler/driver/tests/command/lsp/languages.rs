@@ -238,3 +238,26 @@ fn outlines_have_the_networks_of_all_languages() {
         assert_eq!(names, parts, "{block}");
     }
 }
+
+#[test]
+fn types_are_proposed_in_declarations() {
+    for (folder, file, piece, wanted, other) in [
+        ("press", "press.scl", "  force : |Int", &["INT", "LREAL", "ARRAY"][..], "IF"),
+        ("press", "press.scl", "Array[0..LIMIT] of |Int", &["INT"], "IF"),
+        ("press", "press.scl", "FUNCTION \"Count\" : |Int", &["INT"], "IF"),
+        ("press", "press.scl", "  again:|\n", &["IF"], "INT"),
+        ("alike", "line.scl", "  in : |Int", &["\"Pair\"", "\"Line\""], "IF"),
+        ("alike", "lamp.s7dcl", "  time : |Time", &["TIME"], "Coil"),
+        ("plant", "main.stl", "  limit : |INT", &["DINT", "\"Motor\""], "LREAL"),
+        ("plant", "main.stl", "full:| NOP", &["NOP"], "DINT"),
+    ] {
+        let mut editor = Editor::new(folder);
+        editor.open(file);
+        editor.messages(file);
+        let found = editor.at("textDocument/completion", file, piece);
+        for word in wanted {
+            assert!(labels(&found).contains(word), "{piece}: {word} is not in {found}");
+        }
+        assert!(!labels(&found).contains(&other), "{piece}: {other}");
+    }
+}
