@@ -1,6 +1,6 @@
 //! Round trips of `plcc convert`: what is written reads back to the same tree, with its comments, and does the same.
 //!
-//! - `text`: STL, SCL, SIMATIC SD and GRAPH; `charts`: charts of XML as sources; `xml`: SimaticML; `plcopen`: PLCopen XML.
+//! - `text`: STL, SCL, SIMATIC SD and GRAPH; `charts`: charts of XML as sources and as STL; `xml`: SimaticML; `plcopen`: PLCopen XML.
 //! - `boxes`: random boxes of STL as LAD and FBD.
 //! - `networks`: LAD and FBD as STL; `from_scl`: SCL as STL; `drawn`: STL as LAD and FBD, and LAD as FBD.
 
