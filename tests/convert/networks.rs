@@ -184,12 +184,13 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 24] = [
+    const FILES: [&str; 26] = [
         "addresses_take_the_type",
         "bit_fields",
         "boxes/boxes_315_2dp",
         "boxes/called_by_name",
         "boxes/choices_s7_300",
+        "boxes/clock_and_interrupts",
         "boxes/computed_in_steps",
         "boxes/demux_by_number",
         "boxes/moves_of_all_types",
@@ -207,6 +208,7 @@ fn whole_files_are_converted() {
         "shift_of_the_sign_s7_300",
         "timer_vectors",
         "untyped_and_system_operands",
+        "wait_and_stop",
         "wires_of_boxes_that_are_off",
         "wires_with_numbers_of_calls",
     ];

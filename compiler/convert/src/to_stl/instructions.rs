@@ -1,4 +1,4 @@
-//! Boxes as calls of instructions of the TIA Portal by their names: `CALL LIMIT {value_type := INT} (MN := 0, …)`.
+//! Boxes as calls of instructions and blocks of the TIA Portal by their names: `CALL LIMIT {value_type := INT} (MN := 0, …)`.
 //!
 //! Source: S7-1500 information system, basic and extended instructions of STL.
 
@@ -13,6 +13,7 @@ use plcc_syntax::network::elements::{Kind, PinDirection, Row};
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+use super::library::pins_of_block;
 use super::logic::Logic;
 use super::plan::Plan;
 use super::types::elementary;
@@ -22,6 +23,8 @@ use super::values::width_type;
 pub struct Instruction {
     name: &'static str,
     pins: Vec<InstructionPin>,
+    /// It is a block of the library, which may leave BR as it is.
+    is_block: bool,
 }
 
 /// What happens to a result after the call.
@@ -47,7 +50,13 @@ impl Maker<'_> {
             _ => return None,
         };
         let given: Vec<&str> = connected(element).map(|pin| pin.name.as_str()).collect();
-        let pins = self.types.instruction(name, &given)?;
+        let found = self.types.instruction(name, &given);
+        let is_block = found.is_none();
+        let pins = match found {
+            Some(pins) => pins,
+            None if self.types.is_block(name) => return None,
+            None => pins_of_block(name, &given).filter(|pins| self.has_moments(element, pins))?,
+        };
         let passes = |pin: &&Pin| {
             let own = row.pin(&pin.name).map(|(own, _)| own.direction);
             let there =
@@ -55,7 +64,7 @@ impl Maker<'_> {
             // STL has some inputs that networks write.
             own != Some(PinDirection::InOut) || there != Some(Direction::Input) || is_constant(pin)
         };
-        connected(element).all(|pin| passes(&pin)).then_some(Instruction { name, pins })
+        connected(element).all(|pin| passes(&pin)).then_some(Instruction { name, pins, is_block })
     }
 
     /// The call that a box is.
@@ -91,6 +100,11 @@ impl Maker<'_> {
         let call = ast::Call { target: self.name_of(called.name), types: named, instance: None, parameters };
         let call = StatementKind::Call(Box::new(call));
         let wanted = self.is_wanted(graph, plan, at, "eno");
+        if called.is_block && wanted && matches!(enable, Logic::Constant(true)) {
+            // Elsewhere the jump sets it.
+            self.push(StlInsn::SetRlo, None);
+            self.push(StlInsn::Save, None);
+        }
         let skip = (!matches!(enable, Logic::Constant(true))).then(|| {
             let label = self.new_label();
             self.evaluate(&enable);

@@ -7,7 +7,7 @@
 //! - `compare`: comparisons.
 //! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`, `choices`.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
-//! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names.
+//! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names, `library`: and of blocks.
 //! - `operand`: operands of networks as operands of STL.
 //! - [`types`]: types of operands, where a box does not name its own.
 //!
@@ -22,6 +22,7 @@ mod elements;
 mod fields;
 mod formula;
 mod instructions;
+mod library;
 mod logic;
 mod moves;
 mod operand;

@@ -194,6 +194,11 @@ impl<'a> Types<'a> {
         find_sd(&name).map(|(row, _)| row).filter(|row| matches!(row.kind, Kind::Instance(_)))
     }
 
+    /// Whether a name is that of a block with code of the program.
+    pub fn is_block(&self, name: &str) -> bool {
+        self.blocks.contains_key(&name.to_lowercase())
+    }
+
     /// Whether a name is that of a data type of the program.
     pub fn is_type(&self, name: &BlockName) -> bool {
         self.types.contains_key(&key(name))
