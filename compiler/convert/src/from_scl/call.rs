@@ -4,13 +4,14 @@ use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::Span;
 use plcc_model::scl::{Access, Actual, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
 use plcc_model::types::{DataType, Elementary, ParameterType};
-use plcc_model::{Body, CodeBlock, Direction, Number, Parameter, Place};
+use plcc_model::{BlockKey, Body, CodeBlock, Direction, Number, Parameter, Place};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CellKind, Operand, OperandKind, Path, PathRoot, StatusOperand};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 use super::address::Target;
+use crate::to_stl::library::is_block;
 
 /// Blocks of the library with higher numbers have them from plcc.
 const SYSTEM_NUMBER_MAX: u16 = 999;
@@ -160,7 +161,13 @@ impl Maker<'_> {
                 self.refuse(access.span, "a call of this instance", help);
                 return None;
             }
-            return self.operand(access).map(|operand| (operand, None));
+            let operand = self.operand(access)?;
+            if !self.has_common_type(&operand) {
+                return Some((operand, None));
+            }
+            let root = PathRoot::Quoted { name: callee.name.clone(), span: here };
+            let kind = OperandKind::Path(Path { root, parts: Vec::new(), span: here });
+            return Some((Operand { kind, span: here }, Some(operand)));
         }
         let prefix = match callee.kind {
             BlockKind::Fc => BlockPrefix::Fc,
@@ -172,7 +179,7 @@ impl Maker<'_> {
                 return None;
             }
         };
-        let is_system = matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb);
+        let is_system = matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) && !self.is_called_by_name(call, callee);
         let kind = match is_system || callee.name.is_empty() {
             true => {
                 let number = u32::from(callee.number);
@@ -202,11 +209,59 @@ impl Maker<'_> {
             Some(Instance::Db(number)) => self.program.db(*number).is_some_and(|db| db.instance_of == Some(key)),
             Some(Instance::Variable(access)) => {
                 let wanted = Some((key.kind == BlockKind::Sfb, key.number));
-                matches!(&access.ty, DataType::Struct(structure) if structure.instance_of == wanted)
+                let DataType::Struct(structure) = &access.ty else { return false };
+                structure.instance_of == wanted || self.shares_data(structure.instance_of, callee)
             }
         };
         let is_classic = matches!(self.program.profile.family, Family::S7300 | Family::S7400) && !self.is_portal;
-        is_own && (!callee.library || (callee.number <= SYSTEM_NUMBER_MAX && (is_classic || call.instance.is_none())))
+        let has_number = callee.number <= SYSTEM_NUMBER_MAX && (is_classic || call.instance.is_none());
+        is_own && (!callee.library || has_number || self.is_called_by_name(call, callee))
+    }
+
+    /// The data of a block is that of all timers or counters with one type: an IEC_TIMER is declared as TONR.
+    fn shares_data(&self, of: Option<(bool, u16)>, callee: &CodeBlock) -> bool {
+        let Some((is_sfb, number)) = of.filter(|_| callee.library) else { return false };
+        let kind = if is_sfb { BlockKind::Sfb } else { BlockKind::Fb };
+        let Some(common) = self.program.block(BlockKey { kind, number }).filter(|block| block.library) else {
+            return false;
+        };
+        let (own, other) = (split_type(&common.name), split_type(&callee.name));
+        let words: &[&str] = match own.0 {
+            "TONR" => &["TP", "TON", "TOF"],
+            "CTUD" => &["CTU", "CTD"],
+            _ => return false,
+        };
+        words.contains(&other.0) && own.1 == other.1
+    }
+
+    /// A variable of the block that is declared as IEC_TIMER or the like: the call names the block, too.
+    fn has_common_type(&self, operand: &Operand) -> bool {
+        let OperandKind::Path(Path { root: PathRoot::Local { name, .. }, parts, .. }) = &operand.kind else {
+            return false;
+        };
+        let mut variables = self.tree.sections.iter().flat_map(|section| &section.variables);
+        let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(name));
+        let ty = match variable.map(|variable| &variable.ty.kind) {
+            Some(ast::TypeKind::Named(name) | ast::TypeKind::Block(BlockName::Symbol { name, .. })) => name,
+            _ => return false,
+        };
+        parts.is_empty() && ty.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("IEC_"))
+    }
+
+    /// A block of the library that STL of an S7-1500 calls by the name that it has in SCL: one with an instance, or one of the clock and of
+    /// interrupts.
+    fn is_called_by_name(&self, call: &Call, callee: &CodeBlock) -> bool {
+        let has_type = |ty: &DataType| match ty {
+            DataType::Elementary(ty) => ty.bits() <= 32,
+            DataType::Struct(structure) => structure.name.eq_ignore_ascii_case("DTL"),
+            _ => false,
+        };
+        let is_function =
+            || is_block(&callee.name) && callee.interface.parameters.iter().all(|formal| has_type(&formal.ty));
+        callee.library
+            && !callee.name.is_empty()
+            && self.program.profile.family == Family::S71500
+            && (call.instance.is_some() || (callee.number > SYSTEM_NUMBER_MAX && is_function()))
     }
 
     // Actual parameters.
@@ -383,6 +438,11 @@ impl Maker<'_> {
         };
         Some(Operand { kind, span: self.span })
     }
+}
+
+/// `CTU` and `INT` of `CTU_INT`; the timers of TIME have no type in their name.
+fn split_type(name: &str) -> (&str, &str) {
+    name.split_once('_').unwrap_or((name, "TIME"))
 }
 
 /// Two variables may share memory.

@@ -40,6 +40,11 @@ const fn out(name: &'static str, ty: Elementary) -> (&'static str, Direction, In
     (name, Direction::Output, InstructionType::Fixed(ty))
 }
 
+/// Whether it is one of these blocks.
+pub(crate) fn is_block(name: &str) -> bool {
+    BLOCKS.iter().any(|(own, _)| own.eq_ignore_ascii_case(name))
+}
+
 /// The parameters of a block whose inputs `given` supplies; none: it is called in another way, or an input is open.
 pub fn pins_of_block(name: &str, given: &[&str]) -> Option<Vec<InstructionPin>> {
     let (_, pins) = BLOCKS.iter().find(|(own, _)| *own == name)?;

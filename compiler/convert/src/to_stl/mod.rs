@@ -22,7 +22,7 @@ mod elements;
 mod fields;
 mod formula;
 mod instructions;
-mod library;
+pub(crate) mod library;
 mod logic;
 mod moves;
 mod operand;
