@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use crate::front::{ParseState, Place};
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{Mnemonics, mnemonics, start_values, suggest};
+use crate::stl::{Mnemonics, forms, mnemonics, start_values, suggest};
 
 /// State of a parse of STL, with the mnemonic set of the file.
 pub type State<'a> = ParseState<'a, Tok<'a>, Mnemonics>;
@@ -234,7 +234,7 @@ fn begins(token: &Tok) -> bool {
 
 fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
     let incomplete = at.is_none_or(|(start, token, end)| start == end || ends(token));
-    if let Some(told) = negated_operand(state, index, before) {
+    if let Some(told) = forms::negated_operand(state, index, before) {
         return told;
     }
     // `=I`
@@ -279,21 +279,21 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
     let start = state.tokens[..index].iter().rposition(outside).map_or(0, |end| end + 1);
     let first = state.tokens[start..index].first();
     if let (Some((_, Tok::Comma, comma_end)), Some((_, Tok::Insn(insn), _))) = (at, first) {
-        return surplus_operand(state, insn.mnemonic(state.rules), *comma_end);
+        return forms::surplus_operand(state, insn.mnemonic(state.rules), *comma_end);
     }
     if let (Some((start, Tok::Name(word), end)), Some((_, Tok::Insn(insn), _)), Some((.., operand_end))) =
         (at, first, before)
         && operand_end < start
-        && let Some(told) = operator(state, word, *start..*end, insn.operand())
+        && let Some(told) = forms::operator(state, word, *start..*end, insn.operand())
     {
         return told;
     }
     if let (Some((start, next, _)), Some((_, Tok::Insn(insn), _)), Some((_, last, last_end))) = (at, first, before)
         && last_end < start
-        && is_operand_end(last)
+        && forms::is_operand_end(last)
         && matches!(next, Tok::Local(_) | Tok::Quoted(_) | Tok::Area(..) | Tok::Cell(_) | Tok::Block(..))
     {
-        return surplus_operand(state, insn.mnemonic(state.rules), *start);
+        return forms::surplus_operand(state, insn.mnemonic(state.rules), *start);
     }
     let help = match first.map(|(_, token, _)| token) {
         Some(Tok::Call) => {
@@ -311,119 +311,6 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
     };
     message(state, at, before, Code::Syntax, "statement").help(help)
-}
-
-/// Whether an operand ends with the token, whatever follows.
-fn is_operand_end(token: &Tok) -> bool {
-    matches!(
-        token,
-        Tok::Local(_)
-            | Tok::Quoted(_)
-            | Tok::Literal(_)
-            | Tok::BitAddress(..)
-            | Tok::Address(_)
-            | Tok::Block(..)
-            | Tok::RightBracket
-    )
-}
-
-/// `A NOT #a`
-fn negated_operand(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnostic> {
-    let (start, _, end) = before?;
-    let word = &state.text[*start..*end];
-    let insn = match state.tokens.get(index.checked_sub(2)?)? {
-        (_, Tok::Insn(insn), _) => insn.mnemonic(state.rules),
-        _ => return None,
-    };
-    let operand = state.tokens.get(index).filter(|(start, _, end)| start < end)?;
-    if !word.eq_ignore_ascii_case("NOT") || !matches!(insn, "A" | "AN" | "O" | "ON" | "X" | "XN" | "U" | "UN") {
-        return None;
-    }
-    let meant = insn.strip_suffix('N').map_or_else(|| format!("{insn}N"), str::to_owned);
-    let line = state.text[operand.0..].find(['\n', ';', '/']).map_or(state.text.len(), |length| operand.0 + length);
-    let operand = state.text[operand.0..line].trim();
-    Some(
-        Diagnostic::new(Code::ForeignForm, state.span(*start..*end), "a negation is a part of the instruction")
-            .label("a form of other languages")
-            .help(format!("write `{meant} {operand}`")),
-    )
-}
-
-/// `A I 0.0 AND I 0.1`: the rest is a statement of its own.
-fn operator(state: &State, word: &str, range: Range<usize>, class: crate::stl::OperandClass) -> Option<Diagnostic> {
-    use crate::stl::{OperandClass, StlInsn};
-    let insn = match word.to_ascii_uppercase().as_str() {
-        "AND" | "UND" => StlInsn::And,
-        "OR" | "ODER" => StlInsn::Or,
-        "XOR" | "EXOR" => StlInsn::Xor,
-        _ => return None,
-    };
-    if !matches!(class, OperandClass::Bit | OperandClass::BitOrNone) {
-        return None;
-    }
-    let line = state.text[range.end..].find(['\n', ';', '/']).map_or(state.text.len(), |length| range.end + length);
-    let rest = state.text[range.end..line].trim();
-    let mnemonic = insn.mnemonic(state.rules);
-    Some(
-        Diagnostic::new(Code::Syntax, state.span(range), format!("a statement has no `{word}` between operands"))
-            .label("a form of other languages")
-            .help(format!("write `{mnemonic} {rest}` on a line of its own")),
-    )
-}
-
-/// `A I 0.0, I 0.1`, `T #a #b`: an instruction of STL has one operand. `start`: the byte after the comma, or of the second operand.
-fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
-    let line = state.text[start..].find(['\n', ';', '/']).map_or(state.text.len(), |length| start + length);
-    let rest = state.text[start..line].trim_end();
-    if let Some(told) = offset_of_memory(state, start, rest) {
-        return told;
-    }
-    let written: Vec<&str> = rest.split(',').map(str::trim).filter(|operand| !operand.is_empty()).collect();
-    let lines: Vec<String> = written.iter().map(|operand| format!("`{mnemonic} {operand}`")).collect();
-    // A time or a count, which an instruction of bits takes from ACCU1.
-    let constant = |text: &str| {
-        text.contains('#') && !text.starts_with('#') || text.starts_with(|c: char| c.is_ascii_digit() || c == '-')
-    };
-    // `5s`
-    let unit = |text: &str| text.trim_start_matches(|c: char| c.is_ascii_digit()).to_ascii_uppercase();
-    let is_time = |text: &str| matches!(unit(text).as_str(), "S" | "MS" | "M" | "H");
-    let help = match lines.as_slice() {
-        [] => "remove the comma".to_owned(),
-        [_] if constant(written[0]) && is_time(written[0]) => {
-            format!("write `L S5T#{}` on the line before", written[0])
-        }
-        [_] if constant(written[0]) => format!("write `L {}` on the line before", written[0]),
-        [one] => format!("write {one} on a line of its own"),
-        several => format!("write {} in lines of their own", several.join(", ")),
-    };
-    let first = start + (rest.len() - rest.trim_start().len());
-    Diagnostic::new(
-        Code::SurplusOperand,
-        state.span(first..start + rest.len()),
-        format!("`{mnemonic}` has one operand"),
-    )
-    .label("not read")
-    .help(help)
-}
-
-/// `L MW [MD 10,P#0.0]`: an offset, `rest`, after an address that is not a register.
-fn offset_of_memory(state: &State, start: usize, rest: &str) -> Option<Diagnostic> {
-    const LENGTH_MAX: usize = 200;
-    let offset = rest.trim().strip_suffix(']').filter(|offset| !offset.contains(['[', ',']))?.trim();
-    let mut before = state.text[..start].char_indices().rev().take(LENGTH_MAX);
-    let (open, _) = before.find(|(_, character)| *character == '[')?;
-    let pointer = state.text[open + 1..start].trim_end_matches(',').trim();
-    if pointer.is_empty() || pointer.contains([']', ';', '\n']) {
-        return None;
-    }
-    let first = start + (rest.len() - rest.trim_start().len());
-    let message = Diagnostic::new(
-        Code::SurplusOperand,
-        state.span(first..first + offset.len()),
-        "only an address register has an offset",
-    );
-    let help = format!("write `[{pointer}]`, or `LAR1 {pointer}` on the line before, and `[AR1,{offset}]`");
-    Some(message.label("an offset").help(help))
 }
 
 fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {

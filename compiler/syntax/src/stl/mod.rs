@@ -9,6 +9,7 @@ mod actions;
 mod block_check;
 mod check;
 mod classify;
+mod forms;
 pub mod fragment;
 pub mod instructions;
 mod messages;
