@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use crate::stl::messages::State;
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{OperandClass, StlInsn};
+use crate::stl::{OperandClass, StlInsn, form_help};
 
 /// Whether an operand ends with the token, whatever follows.
 pub fn is_operand_end(token: &Tok) -> bool {
@@ -65,13 +65,16 @@ pub fn operator(state: &State, word: &str, range: Range<usize>, class: OperandCl
     )
 }
 
-/// `A I 0.0, I 0.1`, `T #a #b`: an instruction of STL has one operand. `start`: the byte after the comma, or of the second operand.
-pub fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnostic {
+/// `A I 0.0, I 0.1`, `T #a #b`: an instruction of STL has one operand. `insn_end`: the byte after its mnemonic, `start`: the one after the
+/// comma, or of the second operand.
+pub fn surplus_operand(state: &State, insn: StlInsn, insn_end: usize, start: usize) -> Diagnostic {
+    let mnemonic = insn.mnemonic(state.rules);
     let line = state.text[start..].find(['\n', ';', '/']).map_or(state.text.len(), |length| start + length);
     let rest = state.text[start..line].trim_end();
     if let Some(told) = offset_of_memory(state, start, rest) {
         return told;
     }
+    let operand = state.text.get(insn_end..start).unwrap_or_default().trim().trim_end_matches(',').trim_end();
     let written: Vec<&str> = rest.split(',').map(str::trim).filter(|operand| !operand.is_empty()).collect();
     let lines: Vec<String> = written.iter().map(|operand| format!("`{mnemonic} {operand}`")).collect();
     // A time or a count, which an instruction of bits takes from ACCU1.
@@ -83,6 +86,7 @@ pub fn surplus_operand(state: &State, mnemonic: &str, start: usize) -> Diagnosti
     let is_time = |text: &str| matches!(unit(text).as_str(), "S" | "MS" | "M" | "H");
     let help = match lines.as_slice() {
         [] => "remove the comma".to_owned(),
+        [_] if let Some(help) = form_help::of_second_operand(insn, mnemonic, operand, written[0]) => help,
         [_] if constant(written[0]) && is_time(written[0]) => {
             format!("write `L S5T#{}` on the line before", written[0])
         }

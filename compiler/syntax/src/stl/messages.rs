@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use crate::front::{ParseState, Place};
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{Mnemonics, forms, mnemonics, start_values, suggest};
+use crate::stl::{Mnemonics, form_help, forms, mnemonics, start_values, suggest};
 
 /// State of a parse of STL, with the mnemonic set of the file.
 pub type State<'a> = ParseState<'a, Tok<'a>, Mnemonics>;
@@ -278,8 +278,8 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
     let outside = |(_, token, _): &Spanned| ends(token) || begins(token);
     let start = state.tokens[..index].iter().rposition(outside).map_or(0, |end| end + 1);
     let first = state.tokens[start..index].first();
-    if let (Some((_, Tok::Comma, comma_end)), Some((_, Tok::Insn(insn), _))) = (at, first) {
-        return forms::surplus_operand(state, insn.mnemonic(state.rules), *comma_end);
+    if let (Some((_, Tok::Comma, comma_end)), Some((_, Tok::Insn(insn), insn_end))) = (at, first) {
+        return forms::surplus_operand(state, *insn, *insn_end, *comma_end);
     }
     if let (Some((start, Tok::Name(word), end)), Some((_, Tok::Insn(insn), _)), Some((.., operand_end))) =
         (at, first, before)
@@ -288,12 +288,16 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
     {
         return told;
     }
-    if let (Some((start, next, _)), Some((_, Tok::Insn(insn), _)), Some((_, last, last_end))) = (at, first, before)
+    if let (Some((start, next, _)), Some((_, Tok::Insn(insn), insn_end)), Some((_, last, last_end))) =
+        (at, first, before)
         && last_end < start
         && forms::is_operand_end(last)
         && matches!(next, Tok::Local(_) | Tok::Quoted(_) | Tok::Area(..) | Tok::Cell(_) | Tok::Block(..))
     {
-        return forms::surplus_operand(state, insn.mnemonic(state.rules), *start);
+        return forms::surplus_operand(state, *insn, *insn_end, *start);
+    }
+    if let Some(help) = first.and_then(|first| form_help::of(state, index, first)) {
+        return message(state, at, before, Code::Syntax, "statement").help(help);
     }
     let help = match first.map(|(_, token, _)| token) {
         Some(Tok::Call) => {

@@ -9,6 +9,7 @@ mod actions;
 mod block_check;
 mod check;
 mod classify;
+mod form_help;
 mod forms;
 pub mod fragment;
 pub mod instructions;

@@ -47,6 +47,7 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("OTL", "write `S`"),
     ("OTU", "write `R`"),
     ("ONS", "write `FP` with an edge memory bit"),
+    ("POS", "write `FP` with an edge memory bit"),
     ("RTO", "write `SS`, or `CALL` the function block"),
     ("JSR", "write `CALL`"),
     ("LBL", "a label ends with `:` and stands before a statement"),

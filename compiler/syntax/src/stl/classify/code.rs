@@ -411,7 +411,8 @@ impl<'a> Classifier<'a, '_> {
                 if next == Some(RawKind::Colon) {
                     return true;
                 }
-                if next == Some(RawKind::Assign) {
+                // No statement begins with `O.0`: a letter for the digit 0.
+                if next == Some(RawKind::Assign) || next == Some(RawKind::Dot) && self.adjacent(index) {
                     return false;
                 }
                 self.upper(index).as_str() == "CALL" || self.mnemonic_at(index).is_some()

@@ -372,9 +372,10 @@ impl<'a> Classifier<'a, '_> {
             _ => {
                 let next = self.raw.get(self.at + 1).filter(|next| next.start == token.end);
                 let is_zero = slice == "=" && next.is_some_and(|next| self.slice(*next) == "0");
-                let help = match is_zero {
-                    true => "the status bit for a result of 0 is `==0`",
-                    false => "an operand is an address (`M 10.0`), a name (`#name`, `\"symbol\"`) or a constant",
+                let help = match self.last() {
+                    _ if is_zero => "the status bit for a result of 0 is `==0`",
+                    Some(Tok::Register(_)) if slice == "+" => "write `,` in place of `+`: `[AR1,P#0.0]`",
+                    _ => "an operand is an address (`M 10.0`), a name (`#name`, `\"symbol\"`) or a constant",
                 };
                 Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not allowed here"))
                     .label("not expected")

@@ -518,6 +518,9 @@ impl<'a> Classifier<'a, '_> {
         self.at += 1;
         self.out.pop();
         let (begin, end) = (self.out.pop().map_or(token.start as usize, |(begin, ..)| begin), token.end as usize);
+        if self.letter_for_digit(begin, end) {
+            return;
+        }
         let text = &self.text[begin..end];
         let help = match text.get(..2).map(str::to_ascii_uppercase).as_deref() {
             Some("MO" | "IO" | "QO" | "EO" | "AO") => {
@@ -544,6 +547,22 @@ impl<'a> Classifier<'a, '_> {
             .help(help),
         );
         self.push(begin, Tok::BadOperand, end);
+    }
+
+    /// `I O.0`: reported, if `O.0` from byte `begin` to `end` follows the letters of an area.
+    fn letter_for_digit(&mut self, begin: usize, end: usize) -> bool {
+        let rest = self.text[begin..end].strip_prefix(['O', 'o']).filter(|rest| rest.starts_with('.'));
+        let (Some(rest), Some(&(start, Tok::Area(..), letters_end))) = (rest, self.out.last()) else { return false };
+        let letters = &self.text[start..letters_end];
+        let title = format!("`{}` is not an address", &self.text[start..end]);
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span_of(start, end), title)
+                .label("the letter O")
+                .help(format!("write the digit 0 in place of the letter O: `{letters} 0{rest}`")),
+        );
+        self.out.pop();
+        self.push(start, Tok::BadOperand, end);
+        true
     }
 
     /// `E 0.1` for `E 0 .1`, where `text` is the number after the letters.

@@ -1,0 +1,141 @@
+//! What to write for a statement that cannot be read, where its text has only one meaning: `I 0-0`, `MW[AR1+2]`, `CALL FB 1.DB 1`.
+
+use crate::ast::{BlockPrefix, Width};
+use crate::stl::messages::State;
+use crate::stl::token::{Spanned, Tok};
+use crate::stl::{StlInsn, forms};
+
+/// The help for the token at `index`, which cannot stand there; `first` is the first token of its statement.
+pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
+    let (at_start, at, at_end) = state.tokens.get(index)?;
+    let (_, first, first_end) = first;
+    let rest = state.text.get(*first_end..)?;
+    let rest = &rest[..rest.find(['\n', ';']).unwrap_or(rest.len())];
+    let rest = rest.split("//").next().unwrap_or_default().trim();
+    let insn = match first {
+        Tok::Call => return of_call(rest),
+        Tok::Insn(insn) => *insn,
+        _ => return None,
+    };
+    if let Some(help) = of_brackets(rest) {
+        return Some(help);
+    }
+    let before = state.text.get(*first_end..*at_start)?.trim();
+    let after = rest.strip_prefix(before)?.trim_start();
+    let tokens = state.tokens.get(..index)?;
+    let is_byte = matches!(tokens, [.., (_, Tok::Area(_, Width::Bit), _), (_, Tok::Address(_), _)]);
+    if is_byte && let Some(help) = of_bit(before, after) {
+        return Some(help);
+    }
+    if let (
+        Tok::Literal(_),
+        [.., (block, Tok::Block(BlockPrefix::Db, _), block_end), (_, Tok::Dot, _), (_, Tok::Name(name), _)],
+    ) = (at, tokens)
+    {
+        let letters = match name.to_ascii_uppercase().as_str() {
+            "X" | "DX" | "BX" => "DBX",
+            "B" | "BYTE" => "DBB",
+            "W" | "DW" | "WORD" => "DBW",
+            "D" | "DD" | "DWORD" => "DBD",
+            _ => return None,
+        };
+        let (block, number) = (&state.text[*block..*block_end], &state.text[*at_start..*at_end]);
+        return Some(format!("write `{block}.{letters} {number}`, where the number counts bytes"));
+    }
+    let set = state.rules;
+    match at {
+        Tok::Assign => {
+            let value = after.strip_prefix(":=")?.trim();
+            let (load, store) = match insn {
+                StlInsn::Load | StlInsn::Transfer => (StlInsn::Load, StlInsn::Transfer),
+                StlInsn::Assign => (StlInsn::And, StlInsn::Assign),
+                _ => return None,
+            };
+            (!value.is_empty())
+                .then(|| format!("write `{} {value}`, then `{} {before}`", load.mnemonic(set), store.mnemonic(set)))
+        }
+        Tok::Literal(_) if insn == StlInsn::Load && forms::is_operand_end(&tokens.last()?.1) => {
+            let load = insn.mnemonic(set);
+            let (sign, number) = after.split_at_checked(1)?;
+            let number = number.trim();
+            match sign {
+                "+" | "-" if number.contains('.') => Some(format!("write `{load} {number}`, then `{sign}R`")),
+                "+" => Some(format!("write `+ {number}` on the next line")),
+                "-" => Some(format!("write `+ -{number}` on the next line")),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// The help for a second operand, `second`, of an instruction.
+pub fn of_second_operand(insn: StlInsn, mnemonic: &str, operand: &str, second: &str) -> Option<String> {
+    // Letters, then a number.
+    let is_one_of = |text: &str, known: &[&str]| {
+        let number = text.trim_start_matches(|c: char| c.is_ascii_alphabetic());
+        let letters = &text[..text.len() - number.len()];
+        let is_number = |number: &str| number.bytes().all(|digit| digit.is_ascii_digit() || digit == b'.');
+        known.iter().any(|known| known.eq_ignore_ascii_case(letters)) && is_number(number.trim())
+    };
+    let calls = matches!(insn, StlInsn::CallUnconditional | StlInsn::CallConditional);
+    if calls && (is_one_of(second, &["DB"]) || second.starts_with(['"', '#'])) {
+        let condition = if insn == StlInsn::CallConditional { ", and jump past it for the condition" } else { "" };
+        return Some(format!("only `CALL` has a data block: write `CALL {operand}, {second}`{condition}"));
+    }
+    let is_block = is_one_of(operand, &["DB", "DI"]) && !operand.contains('.');
+    if is_block && is_one_of(second, &["DBX", "DBB", "DBW", "DBD"]) {
+        return Some(format!("write `{mnemonic} {operand}.{second}`"));
+    }
+    let is_bit = operand.contains('.') && !operand.starts_with(['"', '#']);
+    let is_count = second.bytes().all(|digit| digit.is_ascii_digit());
+    (matches!(insn, StlInsn::Set | StlInsn::Reset) && is_bit && is_count)
+        .then(|| format!("remove it: `{mnemonic} {operand}` writes one bit"))
+}
+
+/// `FB 1.DB 1`, `FB1:DB1`, `FB1 WITH DB1` after CALL.
+fn of_call(rest: &str) -> Option<String> {
+    let target = rest.split('(').next()?.trim();
+    let upper = target.to_ascii_uppercase();
+    let (block_end, instance_start) = match (upper.find(['.', ':']), upper.find(" WITH ")) {
+        (Some(sign), _) => (sign, sign + 1),
+        (None, Some(word)) => (word, word + " WITH ".len()),
+        (None, None) => return None,
+    };
+    let (block, instance) = (target[..block_end].trim(), target[instance_start..].trim());
+    let digits = instance.get(..2).filter(|letters| letters.eq_ignore_ascii_case("DB")).map(|_| instance[2..].trim());
+    let is_block =
+        digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit()));
+    (is_block && !block.is_empty()).then(|| format!("write `CALL {block}, {instance}`"))
+}
+
+/// `MW[AR1+2]`, `MW[P#2.0,AR1]`, `DBW[MD 10`, `MW[MD 10]]`.
+fn of_brackets(rest: &str) -> Option<String> {
+    let (letters, inner) = rest.split_once('[')?;
+    let (inner, after) = inner.split_once(']').map_or((inner, None), |(inner, after)| (inner, Some(after)));
+    let letters = letters.trim_end();
+    let upper = inner.to_ascii_uppercase();
+    let Some(register) = ["AR1", "AR2"].into_iter().find(|register| upper.contains(register)) else {
+        return match after {
+            None => Some(format!("write `{letters}[{}]`", inner.trim())),
+            Some(after) if after.trim() == "]" => Some("remove the second `]`".to_owned()),
+            Some(_) => None,
+        };
+    };
+    let offset = upper.replacen(register, "", 1);
+    let offset = offset.trim_matches(|c: char| matches!(c, ',' | '+' | '.' | ' ' | '\t'));
+    let offset = offset.strip_prefix("P#").unwrap_or(offset);
+    let (byte, bit) = offset.split_once('.').unwrap_or((offset, "0"));
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit());
+    (digits(byte) && digits(bit)).then(|| format!("write `{letters}[{register},P#{byte}.{bit}]`"))
+}
+
+/// `I 0-0`, `I 0:0`, `I 0 0`, `I 0.`: `byte` is what is before the sign.
+fn of_bit(byte: &str, after: &str) -> Option<String> {
+    let bit = after.trim_start_matches(['-', ':', '.']).trim();
+    match bit.as_bytes() {
+        [] if after.starts_with('.') => Some(format!("write `{byte}.0`, with the number of the bit")),
+        [b'0'..=b'7'] => Some(format!("write `{byte}.{bit}`")),
+        _ => None,
+    }
+}
