@@ -21,6 +21,12 @@ fn instruction(letters: &str) -> Option<Qualifier> {
     if letters.eq_ignore_ascii_case("CALL") { Some(Qualifier::N) } else { Qualifier::of(letters) }
 }
 
+/// Whether an instruction needs an event before it.
+pub fn needs_event(instruction: &str) -> bool {
+    const NEED: [&str; 10] = ["ON", "OFF", "CS", "CU", "CD", "CR", "TL", "TD", "TR", "TF"];
+    NEED.iter().any(|own| own.eq_ignore_ascii_case(instruction))
+}
+
 /// What to write instead of a qualifier that GRAPH does not have.
 pub fn help(text: &str) -> String {
     let words: Vec<&str> = text.split([' ', '_', '\t']).filter(|word| !word.is_empty()).collect();

@@ -55,6 +55,10 @@ impl ChartBinder<'_, '_> {
                 .help(match text.as_str() {
                     "1" => "write `TRUE`".to_string(),
                     "0" => "write `FALSE`".to_string(),
+                    // `CONDITION := T#5s`
+                    _ if is.ends_with("constant of type TIME") => {
+                        format!("compare the time of the step with it, as in `Step1.T >= {text}`")
+                    }
                     _ if is_structure => format!("name a bit in it; a step is active while `{text}.X` is TRUE"),
                     _ if text.contains(char::is_whitespace) => {
                         "compare it, for example with `> 0`, or name a bit".to_string()

@@ -6,6 +6,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use crate::gr7::messages::{self, State};
 use crate::gr7::pragma;
+use crate::gr7::qualifier;
 use crate::gr7::token::Mark;
 use crate::gr7::tree::{Clause, Head, Item, Part};
 use plcc_syntax::chart::ast::{
@@ -128,17 +129,32 @@ fn is_action(state: &mut State, body: &ActionBody) -> bool {
     is_variable(state, operand, Code::ActionText)
 }
 
-/// Whether `:=` is before the value of an N row, which is not a time or a count as in other rows; reports that it is missing. `qualifier`:
-/// where the mark is.
-fn is_assigned(state: &mut State, body: &ActionBody, mark: Mark, qualifier: Range<usize>) -> bool {
+/// Whether `:=` is before the value of an N row, which is not a time or a count as in other rows; reports that it is missing. `place`: where
+/// the mark is.
+fn is_assigned(state: &mut State, body: &ActionBody, mark: Mark, place: Range<usize>) -> bool {
     let ActionBody::Value { operand, value } = body else { return true };
     let all = state.text;
     let text = |start: u32, end: u32| all.get(start as usize..end as usize).unwrap_or_default();
     if mark.qualifier != Qualifier::N || text(operand.span.end, value.span.start).contains(":=") {
         return true;
     }
+    let first = operand.span;
     let (operand, source) = (text(operand.span.start, operand.span.end), text(value.span.start, value.span.end));
-    let mark = all.get(qualifier).unwrap_or_default();
+    let mark = all.get(place).unwrap_or_default();
+    // `ON Run (N)`
+    let is_operand = matches!(
+        value.kind,
+        ExprKind::Name(_) | ExprKind::Absolute(_) | ExprKind::Member { .. } | ExprKind::Index { .. }
+    );
+    if is_operand && qualifier::parse(operand).is_some() {
+        let event = if qualifier::needs_event(operand) { "S1 " } else { "" };
+        state.report(
+            Diagnostic::new(Code::Qualifier, first, format!("the instruction `{operand}` is before its operand"))
+                .label("the instruction comes last, in parentheses")
+                .help(format!("write `{source} ({event}{operand})`")),
+        );
+        return false;
+    }
     let title = format!("`:=` is missing between `{operand}` and `{source}`");
     state.report(
         Diagnostic::new(Code::Syntax, value.span, title)

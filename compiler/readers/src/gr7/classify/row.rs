@@ -18,9 +18,6 @@ struct Extent {
     qualifier: Option<usize>,
 }
 
-/// Instructions that need an event before them.
-const NEED_EVENTS: [&str; 10] = ["ON", "OFF", "CS", "CU", "CD", "CR", "TL", "TD", "TR", "TF"];
-
 /// `T#5S` for `5s`; another value as it is.
 fn with_prefix(value: &str) -> String {
     let unit = value.trim_start_matches(|c: char| c.is_ascii_digit());
@@ -302,7 +299,7 @@ impl<'a> Classifier<'a, '_> {
             }
         }
         qualifier::parse(mark)?;
-        let event = if NEED_EVENTS.iter().any(|own| own.eq_ignore_ascii_case(mark)) { "S1 " } else { "" };
+        let event = if qualifier::needs_event(mark) { "S1 " } else { "" };
         Some(format!("write `{operand}, {} ({event}{mark})`", with_prefix(value)))
     }
 
