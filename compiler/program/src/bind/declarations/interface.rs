@@ -30,7 +30,7 @@ impl<'a> Declarations<'a> {
                 return done;
             }
             Some(State::Running) => {
-                self.recursive(&key.to_string(), span);
+                self.recursive(&self.globals.shown(key), span);
                 return None;
             }
             None => {}

@@ -385,7 +385,11 @@ impl<'a> Declarations<'a> {
         match self.types.udts.get(&number) {
             Some(State::Done(done)) => return done.clone(),
             Some(State::Running) => {
-                self.recursive(&format!("UDT {number}"), span);
+                let name = match self.globals.names.block_name(BlockPrefix::Udt, number) {
+                    name if name.is_empty() => format!("UDT {number}"),
+                    name => format!("`{name}`"),
+                };
+                self.recursive(&name, span);
                 return None;
             }
             None => {}
