@@ -123,6 +123,9 @@ fn usage(error: &clap::Error) -> u8 {
     let text = ["invalid digit found in string", "invalid float literal", "cannot parse integer from empty string"]
         .iter()
         .fold(text, |text, words| text.replace(words, "it is not a number"));
+    // An unknown flag is not meant as the name of a file.
+    let is_told = |line: &&str| !line.trim_start().starts_with("tip: to pass '");
+    let text = text.lines().filter(is_told).collect::<Vec<_>>().join("\n").replace("\n\n\n", "\n\n");
     report::say(text.strip_prefix("error: ").unwrap_or(&text).trim_end());
     exit::USAGE
 }
