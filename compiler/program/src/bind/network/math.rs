@@ -19,6 +19,7 @@ use crate::bind::scl::numeric::{self, Shape};
 use crate::bind::scl::value::Value;
 use crate::bind::scl::{Intent, SclBlock, constant};
 use plcc_binding::constant::Constant;
+use plcc_binding::{fold, similar};
 use plcc_model::scl::{BinaryOp, Conversion, Expr, ExprKind, UnaryOp};
 
 impl NetworkBinder<'_, '_> {
@@ -26,6 +27,30 @@ impl NetworkBinder<'_, '_> {
     pub fn template_type(&self, element: &Element, keys: &[TemplateKey]) -> Option<Elementary> {
         let template = keys.iter().find_map(|key| element.template(*key))?;
         Elementary::from_word(&template.value.trim().to_ascii_uppercase())
+    }
+
+    /// Warns of data types in the settings of an element that nothing defines: the operands decide in their place. Names of the system
+    /// have a `_`; a slip was reported where it was read.
+    pub fn check_templates(&mut self, element: &Element) {
+        const OTHERS: [&str; 6] = ["STRING", "WSTRING", "DTL", "VARIANT", "ANY", "STRUCT"];
+        for template in &element.templates {
+            let name = template.value.trim().trim_matches(['"', '\'']);
+            let upper = name.to_ascii_uppercase();
+            let is_word = upper.bytes().all(|byte| byte.is_ascii_alphanumeric()) && !upper.is_empty();
+            let is_known = Elementary::from_word(&upper).is_some()
+                || OTHERS.contains(&upper.as_str())
+                || self.program.globals.names.types.contains_key(&fold(name))
+                || self.program.globals.names.symbols.contains_key(&fold(name));
+            let is_slip = || similar(name, Elementary::ALL.iter().map(|ty| ty.name())).is_some();
+            if !is_word || is_known || is_slip() || matches!(template.key, TemplateKey::Card | TemplateKey::Other) {
+                continue;
+            }
+            self.program.report(
+                Diagnostic::new(Code::AttributeValue, template.span, format!("no data type has the name `{name}`"))
+                    .label("has no effect: the operands decide")
+                    .help("write the data type that the element works in, such as `Int`"),
+            );
+        }
     }
 
     /// The type that an element works in.

@@ -306,6 +306,12 @@ impl NetworkBinder<'_, '_> {
             );
             return None;
         }
+        if matches!(
+            row.kind,
+            Kind::Compare(_) | Kind::Range { .. } | Kind::Operator(_) | Kind::Step { .. } | Kind::Negate
+        ) {
+            self.check_templates(sheet.element(at));
+        }
         match row.kind {
             Kind::Contact => self.contact(ctx, sheet, at),
             Kind::Not => self.not_element(ctx, sheet, at),
