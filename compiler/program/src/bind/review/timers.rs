@@ -1,4 +1,5 @@
-//! IEC timers in SCL whose time nothing sets, or whose time is negative: both are T#0S, so that they have run out at once.
+//! IEC timers in SCL whose time nothing sets, and in SCL, LAD and FBD those whose time is negative: both are T#0S, so that they have run
+//! out at once.
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
@@ -21,12 +22,16 @@ pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: 
     let mut bare: Vec<(Option<BlockKey>, String, Span)> = Vec::new();
     for (block, language) in blocks {
         let Body::Scl(body) = &block.body else { continue };
-        if *language != Language::Scl {
+        if !matches!(language, Language::Scl | Language::Networks) {
             continue;
         }
         let mut calls = Calls { program, found: Vec::new(), negative: Vec::new(), other_uses: FxHashMap::default() };
         walk::statements(&body.statements, &mut calls);
         found.extend(calls.negative.into_iter().map(|span| negative(program, span)));
+        // An open pin of a box is drawn as such.
+        if *language == Language::Networks {
+            continue;
+        }
         for (instance, has_time, span) in calls.found {
             // A block that gets the timer may give it a time.
             let has_time = has_time || calls.other_uses.get(&instance).is_some_and(|uses| *uses > 0);
