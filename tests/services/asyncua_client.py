@@ -248,6 +248,16 @@ async def external(client):
     await refused(unknown, node(client, "%DB7.DBW0").read_value())
     await refused(unknown, node(client, '"Hidden"."a"').read_value())
     await refused(unknown, node(client, '"Hidden"').read_browse_name())
+    # Tags, and addresses that overlap them: MW40 is hidden, MW44 can be read.
+    assert not {"Secret", "%MW40"} & set(await names("Memory")) and "Shown" in await names("Memory")
+    for path in ['"Secret"', "%MW40", "%MB41", "%M40.7", "%MD38", "%MD41"]:
+        await refused(unknown, node(client, path).read_value())
+    for path in ['"Shown"', "%MW44", "%MB45", "%MD42"]:
+        assert await node(client, path).read_value() == 0 and await access(path) == 1, path
+    await refused(fixed, node(client, '"Shown"').write_value(1, V.Int16))
+    await refused(fixed, node(client, "%MB44").write_value(1, V.Byte))
+    await node(client, "%MW42").write_value(1, V.UInt16)
+    await node(client, "%MW46").write_value(1, V.UInt16)
 
 
 async def browse(client):

@@ -45,6 +45,7 @@ impl Types {
             name: symbol.name.clone(),
             address: symbol.address.clone(),
             ty: symbol.ty.as_ref().map(|ty| self.number(ty)),
+            external: symbol.external,
         };
         program.symbols.iter().map(entry).collect()
     }

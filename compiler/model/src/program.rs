@@ -11,6 +11,7 @@ mod place;
 mod statement;
 
 use plcc_abi::image::{BlockKind, Config, Kept, Profile};
+use plcc_abi::names::External;
 use plcc_abi::ob::StartInput;
 use plcc_abi::s7200::image::CpuRow;
 use plcc_diag::Span;
@@ -65,6 +66,8 @@ pub struct Symbol {
     pub address: String,
     /// The declared type of a value in memory.
     pub ty: Option<DataType>,
+    /// What clients may do with it.
+    pub external: External,
 }
 
 /// The settings in the pragmas of a test file.

@@ -35,6 +35,7 @@ mod tests;
 mod whole;
 
 use plcc_abi::image::BlockKind;
+use plcc_abi::names::External;
 use plcc_abi::s7200::image::CpuRow;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::s7200::ast::OperandKind;
@@ -168,7 +169,8 @@ impl<'a> Binder<'a> {
             .values()
             .filter_map(|global| match &global.target {
                 OperandKind::Direct(direct) => {
-                    Some(Symbol { name: global.name.clone(), address: address::text(*direct), ty: None })
+                    let (name, external) = (global.name.clone(), External::default());
+                    Some(Symbol { name, address: address::text(*direct), ty: None, external })
                 }
                 _ => None,
             })

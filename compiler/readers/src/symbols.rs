@@ -19,9 +19,19 @@ pub use sheets::is_of_tags as is_workbook_of_tags;
 use format::{Format, format, header};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, Span};
 use plcc_syntax::symbols::{
-    GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault, meant_address,
-    parse_address,
+    External, GlobalConstant, S7200Symbol, Symbol, SymbolTable, SymbolTarget, UnreadableRow, address_fault,
+    meant_address, parse_address,
 };
+
+/// What clients may do with a tag by two settings, which are true unless a table says that they are not.
+fn external(accessible: Option<&str>, writable: Option<&str>) -> External {
+    let is_denied = |setting: Option<&str>| setting.is_some_and(|text| text.trim().eq_ignore_ascii_case("false"));
+    match (is_denied(accessible), is_denied(writable)) {
+        (true, _) => External::Hidden,
+        (false, true) => External::Read,
+        (false, false) => External::Write,
+    }
+}
 
 /// Whether some line has a name and an address, in whatever form.
 pub fn has_rows(text: &str) -> bool {
@@ -33,7 +43,8 @@ fn plcopen(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
     let (tags, diagnostics) = crate::plcopen::tags(file, text);
     let symbol = |tag: crate::plcopen::Tag| {
         let target = SymbolTarget::Memory { area: tag.area, width: tag.width, byte: tag.byte, bit: tag.bit };
-        Symbol { name: tag.name, target, ty: tag.ty, comment: String::new(), span: tag.span }
+        let external = External::default();
+        Symbol { name: tag.name, target, ty: tag.ty, comment: String::new(), external, span: tag.span }
     };
     (SymbolTable { symbols: tags.into_iter().map(symbol).collect(), ..SymbolTable::default() }, diagnostics)
 }
@@ -143,6 +154,7 @@ impl Reader<'_> {
             target,
             ty: ty.trim().to_string(),
             comment: comment.trim().to_string(),
+            external: External::default(),
             span: self.span(start, line),
         };
         self.table.symbols.push(symbol);

@@ -1,5 +1,6 @@
 //! The contents of symbol tables: names for addresses, blocks and constants.
 
+pub use plcc_abi::names::External;
 use plcc_diag::Span;
 
 use crate::ast::{Area, BlockPrefix, CellKind, Width};
@@ -51,6 +52,8 @@ pub struct Symbol {
     /// The data type column; empty if there is none.
     pub ty: String,
     pub comment: String,
+    /// What clients may do with the tag.
+    pub external: External,
     /// The row.
     pub span: Span,
 }

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::connections::S7Connection;
-use crate::names::{NamedType, TypeNumber, UsedPlace};
+use crate::names::{External, NamedType, TypeNumber, UsedPlace};
 use crate::ob::{OB_FREE, ObClass, StartInput};
 use crate::remote::RemoteStation;
 use crate::s7200::{S7200Config, S7200Image};
@@ -277,6 +277,8 @@ pub struct SymbolEntry {
     pub address: String,
     /// The declared type of a value in memory, if it has one.
     pub ty: Option<TypeNumber>,
+    /// What clients may do with it.
+    pub external: External,
 }
 
 /// Settings of the CPU, from plc.toml.

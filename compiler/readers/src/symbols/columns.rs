@@ -10,6 +10,9 @@ enum Kind {
     Address,
     Value,
     Comment,
+    /// Whether clients may access a tag, and whether they may write it.
+    Accessible,
+    Writable,
     /// A column that plcc does not need.
     Other,
 }
@@ -21,7 +24,9 @@ const NAMES: &[(Kind, &[&str])] = &[
     (Kind::Address, &["logicaladdress", "address", "logischeadresse", "adresse"]),
     (Kind::Value, &["value", "wert"]),
     (Kind::Comment, &["comment", "kommentar"]),
-    (Kind::Other, &["path", "pfad", "hmivisible", "hmiaccessible", "hmiwriteable", "retain", "remanenz"]),
+    (Kind::Accessible, &["hmiaccessible"]),
+    (Kind::Writable, &["hmiwriteable"]),
+    (Kind::Other, &["path", "pfad", "hmivisible", "retain", "remanenz"]),
 ];
 
 /// The columns of a table.
@@ -34,6 +39,9 @@ pub struct Columns {
     /// The value of a constant.
     pub value: Option<usize>,
     pub comment: Option<usize>,
+    /// Whether clients may access a tag, and whether they may write it.
+    pub accessible: Option<usize>,
+    pub writable: Option<usize>,
     /// Misspelt names: their columns, and what is meant.
     pub misspelt: Vec<(usize, &'static str)>,
 }
@@ -55,9 +63,19 @@ pub fn read<'c>(cells: impl Iterator<Item = &'c str>) -> Option<Columns> {
         address: column(Kind::Address),
         value: column(Kind::Value),
         comment: column(Kind::Comment),
+        accessible: column(Kind::Accessible),
+        writable: column(Kind::Writable),
         misspelt: Vec::new(),
     };
-    let used = [Some(columns.name), columns.ty, columns.address, columns.value, columns.comment];
+    let used = [
+        Some(columns.name),
+        columns.ty,
+        columns.address,
+        columns.value,
+        columns.comment,
+        columns.accessible,
+        columns.writable,
+    ];
     let misspelt = kinds.iter().enumerate().filter(|(at, _)| used.contains(&Some(*at)));
     let misspelt = misspelt.filter_map(|(at, (_, meant))| meant.map(|meant| (at, meant))).collect();
     // One or two known names may be in the first line of any text.
@@ -100,6 +118,8 @@ fn written(folded: &'static str) -> &'static str {
         "wert" => "Wert",
         "comment" => "Comment",
         "kommentar" => "Kommentar",
+        "hmiaccessible" => "Hmi Accessible",
+        "hmiwriteable" => "Hmi Writeable",
         other => other,
     }
 }

@@ -7,7 +7,9 @@ use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use plcc_syntax::scl::fragment;
 
 use super::columns::{self, Columns};
-use super::{GlobalConstant, Symbol, SymbolTable, UnreadableRow, address_fault, lines, meant_address, parse_address};
+use super::{
+    GlobalConstant, Symbol, SymbolTable, UnreadableRow, address_fault, external, lines, meant_address, parse_address,
+};
 
 /// The text that the tool writes into an empty cell.
 const NO_VALUE: &str = "<No Value>";
@@ -115,7 +117,10 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
                         }
                     } else if let Some(target) = parse_address(value.trim().trim_end_matches(":P")) {
                         let comment = columns.comment.map_or("", |at| cell(at).1).trim().to_string();
-                        table.symbols.push(Symbol { name, target, ty, comment, span });
+                        let [accessible, writable] =
+                            [columns.accessible, columns.writable].map(|column| column.map(|at| cell(at).1));
+                        let external = external(accessible, writable);
+                        table.symbols.push(Symbol { name, target, ty, comment, external, span });
                     } else {
                         let reason = address_fault(value.trim());
                         let end = text[*start..].find('\n').map_or(text.len(), |end| start + end);
@@ -138,6 +143,7 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
 mod tests {
     use plcc_syntax::scl::text;
 
+    use super::super::External;
     use super::*;
 
     #[test]
@@ -156,5 +162,14 @@ mod tests {
             ["row 7 of the sheet `PLC Tags` cannot be read", "row 3 of the sheet `Notes` cannot be read"]
         );
         assert!(messages.iter().all(Diagnostic::is_error));
+    }
+
+    #[test]
+    fn sheets_say_what_clients_may_do() {
+        let book = "Sheet\tPLC Tags\n1\tName\tData Type\tLogical Address\tHmi Visible\tHmi Accessible\tHmi Writeable\n2\tA\tInt\t%MW0\tFalse\tFalse\tFalse\n3\tB\tInt\t%MW2\tTrue\tTrue\tFalse\n4\tC\tInt\t%MW4\tFalse\tTrue\tTrue\n5\tD\tInt\t%MW6\n";
+        let (table, messages) = parse(FileId(0), book);
+        assert!(messages.is_empty(), "{messages:#?}");
+        let found: Vec<External> = table.symbols.iter().map(|symbol| symbol.external).collect();
+        assert_eq!(found, [External::Hidden, External::Read, External::Write, External::Write]);
     }
 }

@@ -9,7 +9,9 @@ use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::scl::fragment;
 use roxmltree::Node;
 
-use super::{GlobalConstant, Symbol, SymbolTable, UnreadableRow, address_fault, meant_address, parse_address};
+use super::{
+    GlobalConstant, Symbol, SymbolTable, UnreadableRow, address_fault, external, meant_address, parse_address,
+};
 
 /// Reads the tag tables of an export.
 pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
@@ -121,7 +123,8 @@ impl Reader<'_> {
                     _ if address.is_empty() => {}
                     Some(target) => {
                         let comment = attribute(&["remark", "comment"]);
-                        self.table.symbols.push(Symbol { name, target, ty, comment, span });
+                        let external = external(row.attribute("hmiAccessible"), row.attribute("hmiWriteable"));
+                        self.table.symbols.push(Symbol { name, target, ty, comment, external, span });
                     }
                     None => self.bad_address(span, name, &address),
                 }
@@ -172,7 +175,10 @@ impl Reader<'_> {
             return self.bad_address(span, name, bare);
         };
         let comment = row.descendants().find(|node| xml::is(*node, "Text")).map(text_of).unwrap_or_default();
-        self.table.symbols.push(Symbol { name, target, ty, comment, span });
+        let [accessible, writable] =
+            ["ExternalAccessible", "ExternalWritable"].map(|name| setting(row, name).map(text_of));
+        let external = external(accessible.as_deref(), writable.as_deref());
+        self.table.symbols.push(Symbol { name, target, ty, comment, external, span });
     }
 
     fn constant(&mut self, row: Node) {
@@ -259,7 +265,7 @@ mod tests {
     use plcc_syntax::ast::{Area, Width};
     use plcc_syntax::scl::text;
 
-    use super::super::SymbolTarget;
+    use super::super::{External, SymbolTarget};
 
     const TABLE: &str = r#"<?xml version="1.0" encoding="utf-8"?>
 <Document><Engineering version="V17" /><SW.Tags.PlcTagTable ID="0"><AttributeList><Name>Default tag table</Name></AttributeList><ObjectList>
@@ -281,6 +287,29 @@ mod tests {
         assert_eq!((lamp.name.as_str(), lamp.comment.as_str()), ("Lamp & horn", "green"));
         assert_eq!((table.symbols.len(), table.constants.len(), messages.len()), (2, 1, 1));
         assert_eq!(text::expr(&table.constants[0].value), "12");
+    }
+
+    #[test]
+    fn tags_say_what_clients_may_do() {
+        let tag = |name: &str, byte: u32, settings: &str| {
+            format!(
+                "<SW.Tags.PlcTag><AttributeList><DataTypeName>Int</DataTypeName>{settings}<LogicalAddress>%MW{byte}</LogicalAddress>\
+                 <Name>{name}</Name></AttributeList></SW.Tags.PlcTag>"
+            )
+        };
+        let hidden = "<ExternalAccessible>false</ExternalAccessible><ExternalWritable>false</ExternalWritable>";
+        let rows =
+            [tag("A", 0, hidden), tag("B", 2, "<ExternalWritable>false</ExternalWritable>"), tag("C", 4, "")].concat();
+        let export =
+            format!("<Document><SW.Tags.PlcTagTable><ObjectList>{rows}</ObjectList></SW.Tags.PlcTagTable></Document>");
+        let editor = "<Tagtable><Tag type='Int' hmiAccessible='False' hmiWriteable='False' addr='%MW0'>A</Tag>\
+                      <Tag type='Int' hmiWriteable='False' addr='%MW2'>B</Tag><Tag type='Int' addr='%MW4'>C</Tag></Tagtable>";
+        for text in [export.as_str(), editor] {
+            let (table, messages) = super::parse(plcc_diag::FileId(0), text);
+            assert!(messages.is_empty(), "{messages:#?}");
+            let found: Vec<External> = table.symbols.iter().map(|symbol| symbol.external).collect();
+            assert_eq!(found, [External::Hidden, External::Read, External::Write], "{text}");
+        }
     }
 
     #[test]

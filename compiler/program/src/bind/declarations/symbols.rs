@@ -69,7 +69,7 @@ impl Declarations<'_> {
             SymbolTarget::Block { prefix: BlockPrefix::Db, number } => (format!("DB{number}"), None),
             SymbolTarget::Block { .. } => return None,
         };
-        Some(Symbol { name: global.name.clone(), address, ty })
+        Some(Symbol { name: global.name.clone(), address, ty, external: global.external })
     }
 
     /// The structure of a tag whose type is one of the program.

@@ -15,7 +15,7 @@ use crate::bind::trees::numbering::{LOOSE, LOOSE_HELP, block_of_file, frame, is_
 use plcc_binding::fold;
 use plcc_model::BlockKey;
 use plcc_model::types::Elementary;
-use plcc_syntax::symbols::{Symbol, SymbolTarget};
+use plcc_syntax::symbols::{External, Symbol, SymbolTarget};
 
 /// A block that is written with a name and without a number.
 struct Unnumbered<'a> {
@@ -345,7 +345,8 @@ impl<'a> Globals<'a> {
     /// Notes the name of a block. If a data type has the same name, it means the type where types are expected, and the block elsewhere.
     fn name_block(&mut self, name: &str, prefix: BlockPrefix, number: u32, span: Span) {
         let target = SymbolTarget::Block { prefix, number };
-        let global = Global { name: name.trim().to_string(), target, ty: None, structure: None, span };
+        let external = External::default();
+        let global = Global { name: name.trim().to_string(), target, ty: None, structure: None, external, span };
         if prefix == BlockPrefix::Udt {
             self.names.types.entry(fold(name)).or_insert(number as u16);
             self.names.blocks.insert((prefix, number as u16), name.trim().to_string());
@@ -422,7 +423,8 @@ impl<'a> Globals<'a> {
             let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
             let structure = structure.filter(|name| !name.is_empty());
             let target = target_of(symbol, ty);
-            let global = Global { name: symbol.name.clone(), target, ty, structure, span: symbol.span };
+            let (name, external) = (symbol.name.clone(), symbol.external);
+            let global = Global { name, target, ty, structure, external, span: symbol.span };
             match self.names.symbols.entry(fold(&symbol.name)) {
                 std::collections::hash_map::Entry::Vacant(entry) => {
                     entry.insert(global);

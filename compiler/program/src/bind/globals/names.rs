@@ -11,7 +11,7 @@ use crate::bind::trees::SYSTEM_FILE;
 use plcc_binding::constant::Constants;
 use plcc_binding::{fold, similar};
 use plcc_model::types::Elementary;
-use plcc_syntax::symbols::SymbolTarget;
+use plcc_syntax::symbols::{External, SymbolTarget};
 
 /// Names and numbers that tables and sources define.
 #[derive(Default)]
@@ -38,6 +38,8 @@ pub struct Global {
     pub ty: Option<Elementary>,
     /// Data type of a tag that is a structure, by its name.
     pub structure: Option<String>,
+    /// What clients may do with it.
+    pub external: External,
     pub span: Span,
 }
 

@@ -14,7 +14,7 @@ use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::layout;
 use plcc_model::types::{DataType, ParameterType, StructType};
-use plcc_syntax::symbols::{GlobalConstant, Symbol, SymbolTable, SymbolTarget};
+use plcc_syntax::symbols::{External, GlobalConstant, Symbol, SymbolTable, SymbolTarget};
 
 /// No CPU has bit memory from this address on: missing tags go there.
 pub const MEMORY_START: u32 = 32_768;
@@ -277,7 +277,7 @@ fn components(count: usize) -> String {
 }
 
 fn symbol(name: &str, target: SymbolTarget, ty: String, span: Span) -> Symbol {
-    Symbol { name: name.to_string(), target, ty, comment: String::new(), span }
+    Symbol { name: name.to_string(), target, ty, comment: String::new(), external: External::default(), span }
 }
 
 fn data_block(name: BlockName, content: DataContent, span: Span) -> Block {

@@ -11,7 +11,6 @@ use super::super::structures::Compound;
 use super::super::unit::Unit;
 use super::super::values::{Variable, unit_text};
 use super::node::{Content, Folder, Node};
-use super::tags::plain;
 use super::{DATA, Space};
 use crate::limits::OPCUA_LISTED_MAX;
 
@@ -92,21 +91,16 @@ impl Space {
         let is_plain = !text.is_empty()
             && text.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit() || byte == b'.');
         let address = address::parse_for(text, &self.image).filter(|_| is_plain)?;
-        let read_only = match address.place {
+        // An address is not a way around what components and tags say.
+        let external = match address.place {
             Place::Db(number, _) => {
                 let db = self.image.dbs.iter().find(|db| db.number == number).filter(|db| !db.optimized)?;
-                // An address is not a way around what components say.
-                match db.ty.map_or(External::Write, |ty| self.least(ty)) {
-                    External::Hidden => return None,
-                    External::Read => true,
-                    External::Write => db.read_only,
-                }
+                let least = db.ty.map_or(External::Write, |ty| self.least(ty));
+                if db.read_only { least.min(External::Read) } else { least }
             }
-            _ => false,
+            _ => self.limit(address),
         };
-        let (_, mut thing) = self.tag(format!("%{text}"), text, address, Ty::Plain(plain(address.width)));
-        thing.read_only = read_only;
-        Some(thing)
+        self.address_tag(text, address, external).map(|(_, thing)| thing)
     }
 
     fn member(&self, thing: &Thing, member: &NamedMember) -> Thing {
