@@ -322,6 +322,16 @@ async def subscriptions(client):
     for _, value in handler.seen[count:]:
         assert len(set(value)) == 1, value
     await subscription.unsubscribe(torn)
+    # Small changes are not told, where a value has a size.
+    band = await subscription.deadband_monitor(level, 10)
+    await until(lambda: handler.seen[-1] == ('"Level"', 77), handler.seen)
+    for value in [80, 95]:
+        await level.write_value(value, V.Int16)
+        await asyncio.sleep(0.2)
+    assert [value for name, value in handler.seen if name == '"Level"'][-2:] == [77, 95], handler.seen
+    await subscription.unsubscribe(band)
+    for path in ['"Values"."aString"', '"Values"."aBool"', '"Groups"."one"']:
+        await refused(ua.StatusCodes.BadFilterNotAllowed, subscription.deadband_monitor(node(client, path), 10))
     await subscription.delete()
 
 

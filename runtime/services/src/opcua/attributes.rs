@@ -22,6 +22,8 @@ use crate::limits::{
 
 /// The attribute with the value.
 pub const VALUE: u32 = 13;
+/// Types of the standard that are numbers: SByte to Double.
+const NUMBERS: std::ops::RangeInclusive<u32> = 2..=11;
 /// Rights of a variable.
 const CURRENT_READ: u8 = 1;
 const CURRENT_WRITE: u8 = 2;
@@ -59,6 +61,20 @@ impl Wanted {
             Wanted::Compound(compound) => compound.cost().unwrap_or(1),
             Wanted::Part(all, _) => all.cost(),
             Wanted::Ready(_) | Wanted::Wrong(_) | Wanted::Standard(_) | Wanted::Cpu(_) => 1,
+        }
+    }
+
+    /// Its value is a number or an array of numbers, so that a deadband has a meaning.
+    pub fn is_number(&self) -> bool {
+        match self {
+            Wanted::Ready(Variant::One(scalar)) => scalar.number().is_some(),
+            Wanted::Standard(number) => standard::row(*number).is_some_and(|row| NUMBERS.contains(&row.value)),
+            Wanted::Memory(variable) => NUMBERS.contains(&u32::from(type_of(variable.ty.ty))),
+            Wanted::Cpu(value) => *value == CpuValue::Cycle,
+            Wanted::Part(all, _) => all.is_number(),
+            // The program that had it may come back.
+            Wanted::Wrong(_) => true,
+            Wanted::Ready(Variant::Empty | Variant::Many { .. }) | Wanted::Compound(_) => false,
         }
     }
 }

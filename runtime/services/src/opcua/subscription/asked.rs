@@ -49,8 +49,16 @@ impl Parameters {
         (self.room as usize).clamp(1, OPCUA_QUEUE_MAX)
     }
 
-    /// Trigger and deadband.
-    pub(super) fn filter(&self) -> Result<(u32, f64), Status> {
+    /// Trigger and deadband of an item.
+    pub(super) fn filter_of(&self, wanted: &Wanted) -> Result<(u32, f64), Status> {
+        let (trigger, deadband) = self.filter()?;
+        if deadband > 0.0 && !wanted.is_number() {
+            return Err(status::FILTER_NOT_ALLOWED);
+        }
+        Ok((trigger, deadband))
+    }
+
+    fn filter(&self) -> Result<(u32, f64), Status> {
         match &self.filter {
             (0, _) => Ok((1, 0.0)),
             (DATA_CHANGE_FILTER, body) => {
@@ -112,7 +120,7 @@ impl NewItem {
         if self.mode > 2 {
             return Err(status::MODE_INVALID);
         }
-        let (trigger, deadband) = self.parameters.filter()?;
+        let (trigger, deadband) = self.parameters.filter_of(&wanted)?;
         if self.question.attribute != VALUE && self.parameters.filter.0 != 0 {
             return Err(status::FILTER_NOT_ALLOWED);
         }

@@ -98,7 +98,7 @@ impl Subscriptions {
                 continue;
             }
             let found = subscription.items.get_mut(&item).ok_or(status::ITEM_INVALID);
-            match found.and_then(|item| Ok((parameters.filter()?, item))) {
+            match found.and_then(|item| Ok((parameters.filter_of(&item.wanted)?, item))) {
                 Ok((filter, item)) => {
                     item.handle = parameters.handle;
                     item.interval = parameters.interval(subscription.interval);
