@@ -17,6 +17,8 @@ pub struct Block {
     forcing: Forcing,
     /// The call that is wanted; `None`: the first one in a cycle.
     call: Option<String>,
+    /// Statements that can be drawn are shown as networks.
+    networks: bool,
     /// Number of the order whose news are shown; 0: of none.
     turn: u64,
     /// What is known of its status.
@@ -31,14 +33,15 @@ enum Content {
 }
 
 impl Block {
-    /// A block of which no status is known. `note`: why.
-    pub fn new(page: Page, forcing: Forcing, note: &str) -> Block {
+    /// A block of which no status is known. `networks`: show statements that can be drawn as networks; `note`: why it has no status.
+    pub fn new(page: Page, forcing: Forcing, networks: bool, note: &str) -> Block {
         let mut block = Block {
             page,
             contents: Vec::new(),
             status: Status::default(),
             forcing,
             call: None,
+            networks,
             turn: 0,
             note: note.to_string(),
             rows: Vec::new(),
@@ -61,15 +64,32 @@ impl Block {
 
     /// The places where the program tells something have come.
     pub fn fill(&mut self, places: Vec<Place>) {
-        let status = Status::new(places);
-        let codes: Vec<Option<Code>> = self.page.sections.iter().map(|section| section.lines()).collect();
+        self.status = Status::new(places);
+        self.compose();
+    }
+
+    /// It has statements that can be shown as networks.
+    pub fn has_both(&self) -> bool {
+        self.page.sections.iter().any(|section| section.code.is_some() && section.svg.is_some())
+    }
+
+    /// Shows statements that can be drawn as networks, or as statements.
+    pub fn show_networks(&mut self, networks: bool) {
+        self.networks = networks;
+        self.compose();
+    }
+
+    /// Makes the networks.
+    fn compose(&mut self) {
+        let is_text = |section: &Section| !self.networks || section.svg.is_none();
+        let lines = |section: &Section| section.lines().filter(|_| is_text(section));
+        let codes: Vec<Option<Code>> = self.page.sections.iter().map(lines).collect();
         let width = listing::width(codes.iter().flatten());
         let content = |(section, code): (&Section, &Option<Code>)| match code {
-            Some(code) => Content::Lines(Listing::new(code, &status, &self.page.symbols, width)),
+            Some(code) => Content::Lines(Listing::new(code, &self.status, &self.page.symbols, width)),
             None => Content::Drawing(Drawing::new(section.svg.as_deref().unwrap_or_default(), section.logic.as_ref())),
         };
         self.contents = self.page.sections.iter().zip(&codes).map(content).collect();
-        self.status = status;
         self.make();
     }
 

@@ -183,7 +183,12 @@ fn foot(model: &Model) -> Line<'_> {
         (Role::Look | Role::Operate, ..) => "",
     };
     if model.part == Part::Block {
-        return Line::from(format!("Esc: back  ↑↓ ←→  c: next call{control}  q: leave"));
+        let other = match (&model.block, model.networks) {
+            (Some(open), false) if open.has_both() => "  v: networks",
+            (Some(open), true) if open.has_both() => "  v: statements",
+            (_, _) => "",
+        };
+        return Line::from(format!("Esc: back  ↑↓ ←→  c: next call{other}{control}  q: leave"));
     }
     let tables = if model.has_tables() { "  t: next table" } else { "" };
     Line::from(format!("Tab ↑↓  {modify}{own}  a: add{tables}{control}  q: leave"))

@@ -7,15 +7,14 @@ use serde_json::Value;
 use crate::document::Code;
 use crate::forcing::{Forcing, Symbols, operands};
 use crate::row::{Piece, Row, Tone, piece};
-use crate::status::{Place, Status, Tells, text};
+use crate::status::{Place, STA_BIT, Status, Tells, text};
 
 /// Title and width of each column of STL.
 const REGISTERS: [(&str, usize); 9] =
     [("RLO", 4), ("STA", 5), ("ACCU1", 9), ("ACCU2", 9), ("AR1", 9), ("AR2", 9), ("DB", 6), ("DI", 6), ("STATUS", 11)];
 
-/// Bits of the status word, and the bit of a logic stack that is ENO.
+/// The bit RLO of the status word, its number of bits, and the bit of a logic stack that is ENO.
 const RLO_BIT: u64 = 1;
-const STA_BIT: u64 = 2;
 const STATUS_BITS: u64 = 9;
 const ENO_BIT: u64 = 9;
 

@@ -74,6 +74,8 @@ pub struct Model {
     turn: u64,
     /// Columns at the left of the block that are not shown.
     pub aside: usize,
+    /// Statements of blocks are shown as networks where they can be drawn.
+    pub networks: bool,
     /// The network with which it is to begin, until its status comes.
     network: Option<usize>,
     open: Vec<String>,
@@ -120,6 +122,7 @@ impl Model {
             block: None,
             turn: 0,
             aside: 0,
+            networks: false,
             network: None,
             open: Vec::new(),
             search: String::new(),

@@ -29,6 +29,12 @@ pub enum Tells {
     Ran,
 }
 
+/// The bit STA of the status word.
+pub const STA_BIT: u64 = 2;
+
+/// The values of a bit.
+static BITS: [Value; 2] = [Value::Bool(false), Value::Bool(true)];
+
 /// What is known of a call.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
@@ -104,7 +110,27 @@ impl Status {
 
     /// The value of the operand at a byte of the source.
     pub fn operand_at(&self, from: u32) -> Option<&Value> {
-        self.seen_at(from, &[Tells::Variable, Tells::Written, Tells::Value])
+        self.seen_at(from, &[Tells::Variable, Tells::Written, Tells::Value]).or_else(|| self.bit_at(from))
+    }
+
+    /// The bit that the statement at a byte of a list has as operand: STA after it in STL, its value beside the stack of an S7-200.
+    fn bit_at(&self, from: u32) -> Option<&Value> {
+        let of_registers = || {
+            let status_word = self.seen_at(from, &[Tells::Registers])?.get(0)?.as_u64()?;
+            Some(status_word >> STA_BIT & 1 == 1)
+        };
+        let of_stack = || {
+            let operand = self.seen_at(from, &[Tells::Stack])?.get(1)?.get(0)?;
+            // A timer or the symbol of a word may have the value 1, too.
+            let is_bit = operand.get(0)?.as_str()?.contains('.');
+            match operand.get(1)?.as_str()? {
+                "0" if is_bit => Some(false),
+                "1" if is_bit => Some(true),
+                _ => None,
+            }
+        };
+        let bit = of_registers().or_else(of_stack)?;
+        Some(&BITS[usize::from(bit)])
     }
 
     /// The result of a comparison in an expression: that of the shortest expression that has both operands in it.

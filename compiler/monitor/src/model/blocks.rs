@@ -23,7 +23,7 @@ impl Model {
         if is_watchable {
             self.wanted.push(Wanted::Places(page.key()));
         }
-        self.block = Some(Block::new(page, self.forcing(), note));
+        self.block = Some(Block::new(page, self.forcing(), self.networks, note));
         self.part = Part::Block;
     }
 
@@ -105,6 +105,13 @@ impl Model {
                 {
                     self.turn += 1;
                     self.orders.push(block.ask(self.turn));
+                }
+            }
+            KeyCode::Char('v') => {
+                if let Some(block) = self.block.as_mut().filter(|block| block.has_both()) {
+                    self.networks = !self.networks;
+                    block.show_networks(self.networks);
+                    (self.at[Part::Block as usize], self.aside) = (0, 0);
                 }
             }
             KeyCode::Up | KeyCode::Down | KeyCode::PageUp | KeyCode::PageDown => return false,

@@ -206,6 +206,40 @@ fn statements_have_their_registers_beside_them() {
 }
 
 #[test]
+fn statements_that_are_rungs_are_shown_as_networks() {
+    let logic = json!({
+        "nets": [[["r"]], [["&", [0, false], ["M0.0", false, 334]]], [["&", [1, false], ["I0.1", true, 354]]], [["r"]]],
+        "places": [[null], [334], [354]], "contacts": [[0, 334, false], [1, 354, true]], "coils": [[2, "Q0.0"]],
+    });
+    let statements = "      A     M 0.0;\n      AN    I 0.1;\n      =     Q 0.0;";
+    let section = json!({"n": 1, "title": "", "labels": [], "svg": LADDER, "logic": logic,
+        "code": {"text": statements, "starts": [328, 348, 363]}});
+    let page = json!({"id": "FC 3", "name": "", "lang": "STL", "title": "", "secs": [section], "rows": []});
+    let data = json!({"title": "line", "pages": [page]});
+    let mut model = model("look");
+    model.take(Incoming::Program(pages_of(&format!("<script id=\"data\" type=\"application/json\">{data}</script>"))));
+    keys(&mut model, "\t\t\n↓\n");
+    let places = json!([[334, 345, "registers"], [354, 365, "registers"], [369, 380, "registers"]]);
+    model.take(Incoming::Places("FC3".to_string(), places_of(places)));
+    let registers = |status_word: u32| json!([status_word, 0, 0, 0, 0, 0, 0, null]);
+    // M0.0 and I0.1 are 1, Q0.0 becomes 0.
+    let seen = json!([[0, registers(7)], [1, registers(5)], [2, registers(0)]]);
+    see(&mut model, json!({"turn": 1, "calls": ["OB 1 › FC 3"], "call": [0, 1204], "seen": seen}));
+    assert!(lines(&model).iter().any(|line| line.starts_with("      A     M 0.0;")));
+    assert!(picture(&model).contains("v: networks"));
+    keys(&mut model, "v");
+    assert!(!lines(&model).iter().any(|line| line.contains("M 0.0;")));
+    assert_eq!(parts(&model, Tone::On), ["M0.0", "I0.1", "└────┤ ├─────"]);
+    assert_eq!(parts(&model, Tone::Off), ["Q0.0", "───────"]);
+    assert!(picture(&model).contains("v: statements"));
+    // What comes now is shown there, too.
+    see(&mut model, json!({"turn": 1, "call": [0, 1205], "seen": [[1, registers(3)], [2, registers(6)]]}));
+    assert_eq!(parts(&model, Tone::Off), ["I0.1"]);
+    keys(&mut model, "v");
+    assert!(lines(&model).iter().any(|line| line.starts_with("      A     M 0.0;")));
+}
+
+#[test]
 fn values_of_a_line_are_beside_it() {
     let places = json!([
         [83, 89, "variable"],

@@ -89,7 +89,15 @@ impl Rungs {
             })
         };
         let (flow_in, flow_out) = (flow(false, from), flow(true, to));
-        self.parts.push(Part { look, meaning, pins, flow_in, flow_out, place: None, statement: self.statement });
+        // What a statement tells of its bit is told of the operand of its contact or coil.
+        let is_contact = matches!(meaning, Meaning::Contact { .. });
+        let tells_bit = is_contact || matches!(&look, Look::Coil { sign } if sign.is_empty());
+        let operand = pins.iter_mut().find(|pin| pin.place == Place::Above).filter(|_| tells_bit);
+        if let Some(Pin { link: Link::Operand(label), .. }) = operand {
+            label.place = self.statement;
+        }
+        let place = self.statement.filter(|_| is_contact);
+        self.parts.push(Part { look, meaning, pins, flow_in, flow_out, place, statement: self.statement });
     }
 
     /// A contact between two nets.
