@@ -7,6 +7,7 @@ use plcc_diag::Span;
 use plcc_syntax::chart::ast::{Action, ActionBody, Condition, Step, Transition};
 use plcc_syntax::network::ast::{Content, Language};
 use plcc_syntax::network::draw;
+use plcc_syntax::scl::ast::Expr;
 
 use super::piece::Piece;
 use crate::metrics::{self, LINE};
@@ -223,7 +224,7 @@ impl Tiles<'_> {
                 let label = self.names.label(&draw::whole(operand), self.scope);
                 self.writes(&label);
                 key = label.key;
-                one(format!("{} := {}", label.text, draw::formula(value)))
+                one(format!("{} := {}", label.text, self.formula(value)))
             }
             ActionBody::All { .. } => one("S_ALL".to_string()),
             ActionBody::Call(call) => (self.lines(call.span), None),
@@ -238,6 +239,16 @@ impl Tiles<'_> {
             lines.extend(metrics::wrapped(&format!("// {}", comment.trim()), 46));
         }
         (lines, drawing, key)
+    }
+
+    /// A formula, whose operands look as they do elsewhere in the chart: an address has no `%`, or is its symbol.
+    fn formula(&self, value: &Expr) -> String {
+        let is_end = |c: char| matches!(c, ' ' | '(' | ')' | '[' | ']' | ',');
+        let label = |part: &str| {
+            let (word, rest) = part.split_at(part.trim_end_matches(is_end).len());
+            format!("{}{rest}", self.names.label(word, self.scope).text)
+        };
+        draw::formula(value).split_inclusive(is_end).map(label).collect()
     }
 
     /// The text of a place, without line breaks.
