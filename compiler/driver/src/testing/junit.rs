@@ -1,6 +1,7 @@
 //! The results of tests as a JUnit report, which CI services read.
 
 use std::fmt::Write;
+use std::path::Path;
 
 use super::Outcome;
 
@@ -12,7 +13,7 @@ pub fn report(outcomes: &[Outcome]) -> String {
     let mut out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
     let _ = writeln!(out, "<testsuites name=\"plcc\" {counts}>\n  <testsuite name=\"plcc\" {counts}>");
     for outcome in outcomes {
-        let name = escaped(&outcome.name);
+        let name = escaped(&name_of(outcome));
         let assertions = outcome.passed + outcome.failed;
         let _ = write!(out, "    <testcase classname=\"plcc\" name=\"{name}\" assertions=\"{assertions}\"");
         let element = match (is_compiled(outcome), outcome.failed) {
@@ -29,6 +30,14 @@ pub fn report(outcomes: &[Outcome]) -> String {
     }
     out.push_str("  </testsuite>\n</testsuites>\n");
     out
+}
+
+/// The path of a test. That of the project in this folder, `.`, says nothing outside: the folder has a name.
+fn name_of(outcome: &Outcome) -> String {
+    let path = Path::new(&outcome.name);
+    let folder = if path.file_name().is_none() { path.canonicalize().ok() } else { None };
+    let name = folder.as_ref().and_then(|folder| folder.file_name());
+    name.map_or_else(|| outcome.name.clone(), |name| name.to_string_lossy().into_owned())
 }
 
 fn is_compiled(outcome: &Outcome) -> bool {

@@ -77,6 +77,16 @@ fn tests_are_chosen_and_reported() {
 }
 
 #[test]
+fn a_report_has_the_name_of_the_project_in_this_folder() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    done(folder.path(), &["new", "line"]);
+    let project = folder.path().join("line");
+    assert_eq!(done(&project, &["test", ".", "--junit", "r.xml"]), "4 passed, 0 failed\n");
+    let report = fs::read_to_string(project.join("r.xml")).expect("it is written");
+    assert!(report.contains("<testcase classname=\"plcc\" name=\"line\" assertions=\"4\"/>"), "{report}");
+}
+
+#[test]
 fn a_watched_test_runs_again_after_a_change() {
     use std::io::{BufRead, BufReader};
     let folder = tempfile::tempdir().expect("a temporary folder");
