@@ -21,9 +21,12 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
     match found {
         Meaning::Variable { declared: (direction, variable), path, owner } => {
             let mut text = code(&format!("{} : {}", path.join("."), index.type_text(&variable.ty)));
-            let inside = owner.map(|owner| format!(" of {} {}", owner.keyword(), owner.text())).unwrap_or_default();
             if !direction.is_empty() {
-                text.push_str(&format!("{direction}{inside}\n"));
+                // Not `owner`: a path goes through instances and structures.
+                let entry = index.around(variable.name_span.file, variable.name_span.start as usize);
+                let inside = entry.map(|own| format!(" of {} {}", own.keyword(), own.text())).unwrap_or_default();
+                let what = if direction == "TYPE" { "component" } else { direction };
+                text.push_str(&format!("{what}{inside}\n"));
             }
             if let Some(place) = owner.and_then(|owner| place(index, owner, &path)) {
                 text.push_str(&format!("\n{place}\n"));

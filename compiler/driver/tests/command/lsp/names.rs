@@ -112,6 +112,10 @@ fn a_name_is_changed_only_where_it_is_meant() {
     let hover = editor.at("textDocument/hover", "list.stl", "|T     #result");
     let text = hover["contents"]["value"].as_str().unwrap_or_default();
     assert!(text.contains("Operand"), "{text}");
+    // A component is one of its data type, not of the block that uses it.
+    let found = editor.at("textDocument/hover", "line.scl", "#pairs[#list[1]].|x");
+    let text = found["contents"]["value"].as_str().unwrap_or_default();
+    assert!(text.contains("component of TYPE Pair"), "{text}");
     let found = editor.at("textDocument/completion", "line.scl", "#Twice.|x");
     assert_eq!(labels(&found), ["x", "y"]);
     let found = editor.at("textDocument/completion", "line.scl", "#pairs[#list[1]].|x");
