@@ -1,4 +1,4 @@
-//! Statements of SCL as statement lists: the assertions of the tests for SCL hold for them.
+//! Statements of SCL and charts of GRAPH as statement lists: the assertions of their tests hold for them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -21,7 +21,7 @@ use crate::{has_errors, without};
 #[derive(Default)]
 struct Made {
     blocks: usize,
-    /// Why others stayed in SCL.
+    /// Why others stayed in their language.
     refused: Vec<String>,
 }
 
@@ -49,20 +49,24 @@ fn run_as_stl(path: &Path, cpu: &str) -> Option<Result<Made, String>> {
     let head = if own { String::new() } else { format!("//@ cpu {cpu}\n") };
     let text = format!("{head}{text}");
     let folder = tempfile::tempdir().expect("a folder");
-    let source = folder.path().join("a.scl");
+    let is_graph = path.extension().is_some_and(|extension| extension == "gr7");
+    let extension = if is_graph { "gr7" } else { "scl" };
+    let source = folder.path().join("a").with_extension(extension);
     fs::write(&source, &text).expect("a file");
     let Ok(before) = run(vec![source.clone()]) else { return None };
     let cpu = text.lines().find_map(|line| line.strip_prefix("//@ cpu ")).unwrap_or(cpu).trim().to_string();
-    let settings = Settings { cpu: Some(cpu.clone()), ..Settings::default() };
+    let settings = Settings { cpu: Some(cpu.clone()), plain_charts: true, ..Settings::default() };
     let parsed = pipeline::parse(inputs::read(std::slice::from_ref(&source)), &settings);
     let unit = parsed.units.first()?.1.clone();
     let bound = pipeline::bind(parsed, &settings);
     if bound.has_errors() {
         return None;
     }
-    let all = scl::comments(&text);
-    let (made, messages) = from_scl::unit(&unit, &bound.program, &text, &all);
-    let is_scl = |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Scl(_)));
+    let all = if is_graph { plcc_readers::gr7::comments(&text) } else { scl::comments(&text) };
+    let meaning = (text.as_str(), all.as_slice());
+    let (made, messages) = from_scl::unit(&unit, &bound.program, meaning, plcc_program::with_chart_data);
+    let is_scl =
+        |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Scl(_) | Code::Chart(_)));
     let pairs = unit.blocks.iter().zip(made.blocks);
     let converted: Vec<(&Block, Block)> = pairs.filter(|(own, made)| is_scl(own) && !is_scl(made)).collect();
     let refused = messages.iter().filter(|message| message.is_error()).map(|message| message.title.clone()).collect();
@@ -80,7 +84,7 @@ fn run_as_stl(path: &Path, cpu: &str) -> Option<Result<Made, String>> {
         let titles = messages.into_iter().filter(|message| message.is_error()).map(|message| message.title);
         return Some(Ok(Made { blocks: 0, refused: titles.collect() }));
     }
-    let (rest, list) = (folder.path().join("rest.scl"), folder.path().join("list.stl"));
+    let (rest, list) = (folder.path().join("rest").with_extension(extension), folder.path().join("list.stl"));
     fs::write(&rest, without(&text, &spans)).expect("a file");
     fs::write(&list, format!("//@ cpu {cpu}\n{written}")).expect("a file");
     if std::env::var_os("PLCC_SHOW").is_some() {
@@ -134,6 +138,53 @@ fn whole_sources_become_lists() {
     }
 }
 
+/// Charts that become statements as a whole.
+const CHARTS: [&str; 16] = [
+    "delayed_limited",
+    "first_call",
+    "init_and_off",
+    "interlock_c_mark",
+    "join_ends_actions",
+    "mode_manual",
+    "mode_tap",
+    "mode_top",
+    "no_glitch",
+    "on_off",
+    "self_loop",
+    "sequence_end",
+    "simultaneous_join",
+    "skip_branches",
+    "supervision_with_acknowledgement",
+    "temporary_variable",
+];
+
+#[test]
+fn charts_as_lists_do_the_same() {
+    let (mut blocks, mut failed, mut refused) = (0, Vec::new(), BTreeMap::<String, usize>::new());
+    let only = std::env::var("PLCC_ONLY").unwrap_or_default();
+    for path in files(&tests_folder().join("run/graph"), "gr7") {
+        if !path.to_string_lossy().contains(&only) || path.ancestors().any(|folder| folder.join("plc.toml").exists()) {
+            continue;
+        }
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let made = run_as_stl(&path, "s7-300").unwrap_or_else(|| Ok(Made::default()));
+        let has_to = CHARTS.contains(&name.as_str());
+        match made {
+            Ok(made) if has_to && (made.blocks == 0 || !made.refused.is_empty()) => {
+                failed.push(format!("{name}: {} blocks; {:?}", made.blocks, made.refused));
+            }
+            Ok(made) => {
+                blocks += made.blocks;
+                made.refused.into_iter().for_each(|title| *refused.entry(title).or_default() += 1);
+            }
+            Err(text) => failed.push(format!("{name}: {text}")),
+        }
+    }
+    println!("{blocks} blocks; refused: {refused:#?}");
+    assert!(failed.is_empty(), "{} files:\n{}", failed.len(), failed.join("\n\n"));
+    assert!(blocks > 30 || !only.is_empty(), "only {blocks} blocks");
+}
+
 /// The messages, as titles and what the source has there, and the text.
 fn converted(text: &str) -> (Vec<(String, String)>, String) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -144,11 +195,13 @@ fn converted(text: &str) -> (Vec<(String, String)>, String) {
     let unit = parsed.units[0].1.clone();
     let bound = pipeline::bind(parsed, &settings);
     assert!(!bound.has_errors(), "{:#?}", bound.diagnostics);
-    let (made, messages) = from_scl::unit(&unit, &bound.program, text, &scl::comments(text));
+    let comments = scl::comments(text);
+    let meaning = (text, comments.as_slice());
+    let (made, messages) = from_scl::unit(&unit, &bound.program, meaning, plcc_program::with_chart_data);
     let found = messages
         .iter()
         .map(|message| (message.title.clone(), text.get(message.primary.span.range()).unwrap_or_default().to_string()));
-    let trivia = Trivia::new(text, scl::comments(text), true);
+    let trivia = Trivia::new(text, comments, true);
     (found.collect(), plcc_convert::stl::write(&made, Mnemonics::En, trivia, None).0)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! - `text`: STL, SCL, SIMATIC SD and GRAPH; `charts`: charts of XML as sources and as STL; `xml`: SimaticML; `plcopen`: PLCopen XML.
 //! - `boxes`: random boxes of STL as LAD and FBD.
-//! - `networks`: LAD and FBD as STL; `from_scl`: SCL as STL; `drawn`: STL as LAD and FBD, and LAD as FBD.
+//! - `networks`: LAD and FBD as STL; `from_scl`: SCL and GRAPH as STL; `drawn`: STL as LAD and FBD, and LAD as FBD.
 
 mod boxes;
 mod charts;

@@ -7,7 +7,7 @@
 //! - [`sd`]: documents of SIMATIC SD.
 //! - [`xml`]: SimaticML of the TIA Portal.
 //! - [`plcopen`]: projects in PLCopen XML.
-//! - [`from_scl`]: statements of SCL as statement lists.
+//! - [`from_scl`]: statements of SCL and charts of GRAPH as statement lists.
 //! - [`to_stl`]: networks of LAD and FBD as statements.
 //! - [`to_graph`]: statements as networks of LAD and FBD.
 //! - [`addresses`]: symbols as addresses and back.

@@ -25,12 +25,7 @@ pub fn write(unit: &SourceUnit, set: Mnemonics, trivia: Trivia, source: Option<&
             Block::Code(code) => match &code.code {
                 Code::Stl(networks) if is_implied(block) => writer.networks(networks, code.span.end),
                 Code::Stl(networks) => writer.stl_block(code, networks),
-                Code::Chart(_) => writer.refuse(
-                    code.name.span(),
-                    "STL has no form for a chart of GRAPH",
-                    "leave the block as it is: blocks in STL call it as any other, and plcc builds both",
-                ),
-                Code::Scl(_) | Code::Graphic(_) => {
+                Code::Scl(_) | Code::Graphic(_) | Code::Chart(_) => {
                     let name = writer.block_name(&code.name);
                     writer.refuse(code.name.span(), format!("{name} is not in STL"), "convert its statements first");
                 }

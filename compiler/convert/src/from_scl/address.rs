@@ -144,9 +144,11 @@ impl Maker<'_> {
         Operand { kind, span: self.span }
     }
 
-    /// An element of an array, or a component of one.
+    /// An element of an array, or a component of one, or a view of other variables.
     fn element(&mut self, access: &Access, place: &Place) -> Option<Through> {
-        self.warn_of_indices(access.span);
+        if !matches!(place, Place::Instance { .. }) {
+            self.warn_of_indices(access.span);
+        }
         let interface = &self.block.interface;
         let bits = |byte: u32, bit: u8| i64::from(byte) * 8 + i64::from(bit);
         let lowest = self.distances(&access.indices, access.span)?;
@@ -175,8 +177,14 @@ impl Maker<'_> {
                 let found = interface.instance.iter().rfind(|one| one.byte <= *byte);
                 let root = found.map(|one| (one.name.clone(), bits(one.byte, one.bit)));
                 let Some((name, start)) = root else { return self.no_address(access.span) };
+                let has_indices = !access.indices.is_empty();
+                if has_indices && !self.is_chart_data(&name) {
+                    self.warn_of_indices(access.span);
+                }
                 self.load_address_of(&name);
-                self.push(StlInsn::AddD, None);
+                if has_indices {
+                    self.push(StlInsn::AddD, None);
+                }
                 self.add_constant(bits(*byte, *bit) - start - lowest);
                 self.add_ar2();
                 Some(Through { area: None, open: None })

@@ -42,6 +42,7 @@ impl Maker<'_> {
 
     /// The next statement has this label; `at`: its place in the source.
     pub fn label(&mut self, name: &str, at: u32) {
+        let at = if self.is_chart() { self.span.start } else { at };
         let span = Span { start: at, end: at, ..self.span };
         self.pending.push(Label { name: name.to_string(), span });
     }
@@ -49,7 +50,7 @@ impl Maker<'_> {
     /// Labels at the end stand before a statement that does nothing.
     pub fn close_labels(&mut self) {
         if let Some(label) = self.pending.last() {
-            self.span = label.span;
+            self.go_to(label.span);
             self.push(StlInsn::Nop, Some(number(0, self.span)));
         }
     }
@@ -70,7 +71,7 @@ impl Maker<'_> {
 
     /// What follows belongs to this place of the source.
     pub fn at(&mut self, at: u32) {
-        self.span = Span { start: at, end: at, ..self.span };
+        self.go_to(Span { start: at, end: at, ..self.span });
     }
 
     // Variables.

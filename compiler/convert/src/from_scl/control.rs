@@ -20,7 +20,7 @@ const BLOCK_MOVE: u32 = 20;
 impl Maker<'_> {
     fn statements(&mut self, list: &[Statement]) {
         for statement in list {
-            self.span = statement.span;
+            self.go_to(statement.span);
             self.statement(statement);
         }
     }
@@ -156,7 +156,7 @@ impl Maker<'_> {
         for (at, (condition, body)) in branches.iter().enumerate() {
             let is_last = at + 1 == branches.len() && !has_otherwise;
             let next = if is_last { end.clone() } else { self.new_label() };
-            self.span = condition.span;
+            self.go_to(condition.span);
             self.condition(condition);
             self.jump(StlInsn::JumpIfNot, &next);
             self.statements(body);
@@ -175,7 +175,7 @@ impl Maker<'_> {
 
     fn case(&mut self, selector: &Expr, arms: &[Arm], otherwise: &[Statement], statement: &Statement) {
         let parts = self.positions.compound(statement.span.start);
-        self.span = selector.span;
+        self.go_to(selector.span);
         if super::logic::comparison(CompareOp::LessEqual, selector.ty).is_none() {
             let what = format!("CASE of {}", selector.ty.name());
             return self.refuse(selector.span, what, "convert the value to DINT");
@@ -321,7 +321,7 @@ impl Maker<'_> {
         self.loops.push(Loop { exit: exit.clone(), next: next.clone() });
         self.statements(body);
         self.loops.pop();
-        self.span = until.span;
+        self.go_to(until.span);
         self.label(&next, until.span.start);
         self.condition(until);
         self.jump(StlInsn::JumpIfNot, &head);

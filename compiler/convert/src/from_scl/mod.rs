@@ -1,4 +1,4 @@
-//! Statements of SCL as statement lists: the typed tree of a bound block, whose names, types and conversions are settled.
+//! Statements of SCL and charts of GRAPH as statement lists: the typed tree of a bound block, whose names, types and conversions are settled.
 //!
 //! - `code`: statements, labels and variables that hold values between them.
 //! - `place`: places in memory by their names; `address`: those that AR1 points at.
@@ -6,6 +6,7 @@
 //! - `call`: calls of blocks; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
 //! - `networks`: networks in SCL among those of LAD and FBD.
+//! - `chart`: what charts declare, and what their statements expect.
 //!
 //! Each statement of a block in SCL is a network, whose title is the first line of the statement.
 //!
@@ -14,6 +15,7 @@
 mod address;
 mod call;
 mod cell;
+mod chart;
 mod code;
 mod control;
 mod convert;
@@ -29,24 +31,30 @@ use std::collections::{HashMap, HashSet};
 use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::walk::{self, Role, Visitor};
-use plcc_model::scl::{Access, Base, Call, Expr, ExprKind, SclBody, StatementKind};
+use plcc_model::scl::{Access, Base, Call, Expr, ExprKind, SclBody, Statement, StatementKind};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{self as model, Body, Direction, LabelId, Passing, Place, Program};
 use plcc_syntax::ast::{self, Block, Operand, SourceUnit};
 use plcc_syntax::front::Comment;
-use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::stl::StlInsn;
 
 use code::Temporary;
 use control::Loop;
 use position::Positions;
 
+pub use chart::ChartData;
 pub(crate) use networks::does_nothing;
 pub use networks::has_statements;
 
-/// A source whose blocks in SCL are STL, and so are the networks in SCL among those of LAD and FBD; the rest stays as it is.
-/// `text`, `comments`: what the spans of the tree mean.
-pub fn unit(unit: &SourceUnit, program: &Program, text: &str, comments: &[Comment]) -> (SourceUnit, Vec<Diagnostic>) {
+/// A source whose blocks in SCL and GRAPH are STL, and so are the networks in SCL among those of LAD and FBD; the rest stays as it is.
+///
+/// `program`: bound with plain charts; `text`, `comments`: what the spans of the tree mean; `chart_data`: see [`ChartData`].
+pub fn unit(
+    unit: &SourceUnit,
+    program: &Program,
+    (text, comments): (&str, &[Comment]),
+    chart_data: ChartData,
+) -> (SourceUnit, Vec<Diagnostic>) {
     let mut made = unit.clone();
     let mut messages = Vec::new();
     for block in &mut made.blocks {
@@ -80,14 +88,23 @@ pub fn unit(unit: &SourceUnit, program: &Program, text: &str, comments: &[Commen
             );
             continue;
         };
-        let positions = Positions::new(text, comments, &networks::lists(&tree.code));
-        let mut maker = Maker::new(program, bound, typed, tree, positions);
+        let whole;
+        let (source, comments) = match &tree.code {
+            ast::Code::Chart(chart) => {
+                whole = chart::declared(tree, chart, chart_data);
+                // They stay together, at the end of the block.
+                (&whole, Default::default())
+            }
+            ast::Code::Scl(_) | ast::Code::Graphic(_) | ast::Code::Stl(_) => (&*tree, comments),
+        };
+        let positions = Positions::new(text, comments, &networks::lists(&source.code));
+        let mut maker = Maker::new(program, bound, typed, source, positions);
         let code = maker.code();
         let refused = maker.messages.iter().any(Diagnostic::is_error);
         messages.append(&mut maker.messages);
         // A network that is refused has its message.
-        if !refused || matches!(tree.code, ast::Code::Graphic(_)) {
-            let mut done = tree.clone();
+        if !refused || matches!(source.code, ast::Code::Graphic(_)) {
+            let mut done = source.clone();
             done.code = code;
             maker.declare(&mut done);
             *tree = done;
@@ -114,7 +131,7 @@ struct Maker<'a> {
     /// What is converted.
     span: Span,
     messages: Vec<Diagnostic>,
-    /// The block is in SCL of the TIA Portal.
+    /// The block follows the rules of the TIA Portal.
     is_portal: bool,
     /// The current statement has a message.
     refused: bool,
@@ -157,8 +174,7 @@ impl<'a> Maker<'a> {
             temporaries: Vec::new(),
             span: tree.name.span(),
             messages: Vec::new(),
-            // Only blocks of the TIA Portal have networks in SCL.
-            is_portal: !matches!(&tree.code, ast::Code::Scl(body) if body.dialect != Dialect::Tia),
+            is_portal: chart::is_of_portal(&tree.code),
             refused: false,
             warned_of_indices: false,
             loops: Vec::new(),
@@ -186,18 +202,28 @@ impl<'a> Maker<'a> {
         self.begin();
         self.close_network(&mut networks, None, Vec::new());
         let statements = &self.body.statements;
+        let is_chart = self.is_chart();
         let mut before = self.positions.code_start(self.tree);
-        for group in statements.chunk_by(|a, b| a.span.start == b.span.start) {
+        let is_one =
+            |a: &Statement, b: &Statement| a.span.start == b.span.start && (!is_chart || chart::belong_together(a, b));
+        for group in statements.chunk_by(is_one) {
             let span = group[0].span;
-            self.span = span;
+            self.go_to(span);
             group.iter().for_each(|statement| self.statement(statement));
             let comment = self.positions.comment_before(before, span.start);
-            let title = self.positions.first_line(span);
-            self.close_network(&mut networks, Some(title), comment);
+            let title = match is_chart {
+                true => self.title_in_chart(span),
+                false => Some(self.positions.first_line(span)),
+            };
+            self.close_network(&mut networks, title, comment);
             before = span.end;
         }
         self.finish();
         self.close_network(&mut networks, None, Vec::new());
+        if is_chart {
+            self.span = self.tree.name.span();
+            networks.insert(0, self.start_values());
+        }
         networks
     }
 
@@ -224,6 +250,7 @@ impl<'a> Maker<'a> {
             let help = "without them: leave out the attribute that sets OK or ENO, and do not read it";
             self.refuse(span, "OK and ENO that follow the errors of operations", help);
         }
+        self.check_chart();
         self.refused = false;
     }
 
@@ -295,14 +322,15 @@ impl<'a> Maker<'a> {
         self.push(store, Some(to));
     }
 
-    /// STL cannot say it; one message for a statement.
+    /// STL cannot say it; one message for a statement. Parts of a chart are in several statements.
     fn refuse(&mut self, span: Span, what: impl std::fmt::Display, help: &str) {
-        if !std::mem::replace(&mut self.refused, true) {
-            self.messages.push(
-                Diagnostic::new(Code::NotConverted, span, format!("STL has no form for {what}"))
-                    .label("cannot be converted")
-                    .help(help),
-            );
+        if std::mem::replace(&mut self.refused, true) {
+            return;
+        }
+        let message = Diagnostic::new(Code::NotConverted, span, format!("STL has no form for {what}"));
+        let is_same = |known: &Diagnostic| known.primary.span == span && known.title == message.title;
+        if !self.messages.iter().any(is_same) {
+            self.messages.push(message.label("cannot be converted").help(help));
         }
     }
 }

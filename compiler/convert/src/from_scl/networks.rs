@@ -9,9 +9,9 @@ use plcc_syntax::scl::ast as syntax;
 
 use super::{Maker, Seen};
 
-/// Whether the code of a block has statements of SCL, whose meaning only the bound program tells.
+/// Whether the code of a block is a chart or has statements of SCL, whose meaning only the bound program tells.
 pub fn has_statements(code: &Code) -> bool {
-    !lists(code).is_empty()
+    matches!(code, Code::Chart(_)) || !lists(code).is_empty()
 }
 
 /// The lists of statements of SCL in the code of a block; networks with nothing but assertions are none.

@@ -22,12 +22,18 @@ impl Maker<'_> {
     /// Reads and writes of it need no address register.
     pub fn is_direct(&self, access: &Access) -> bool {
         let has_part = access.part.is_none() || self.has_parts();
-        access.indices.is_empty() && has_part && matches!(access.base, Base::Place(_))
+        access.indices.is_empty() && has_part && matches!(access.base, Base::Place(_)) && !self.is_view(access)
     }
 
     /// Parts of variables are operands: `#w.%X3`.
     fn has_parts(&self) -> bool {
         self.program.profile.family == Family::S71500
+    }
+
+    /// A value in the instance where no name has its width: a view of other variables, bits as a whole byte.
+    fn is_view(&self, access: &Access) -> bool {
+        let Base::Place(Place::Instance { byte, bit }) = &access.base else { return false };
+        access.elementary().is_some() && path_in(&self.block.interface.instance, (*byte, *bit), &access.ty).is_none()
     }
 
     /// The operand of a direct access; none after a message.

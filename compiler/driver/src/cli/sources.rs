@@ -81,7 +81,7 @@ pub struct ConvertArgs {
 /// What `plcc convert` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ConvertTo {
-    /// Statement list, as source text for S7-300/400: of STL, LAD, FBD and SCL.
+    /// Statement list, as source text for S7-300/400: of STL, LAD, FBD, SCL and GRAPH.
     Stl,
     /// Ladder diagram, as SIMATIC SD.
     Lad,

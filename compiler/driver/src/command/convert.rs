@@ -159,7 +159,12 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                                 };
                                 Remarks { text: meaning.to_string(), comments }
                             });
-                            from_scl::unit(unit, program, &text, &comments)
+                            from_scl::unit(
+                                unit,
+                                program,
+                                (text.as_str(), comments.as_slice()),
+                                plcc_program::with_chart_data,
+                            )
                         }
                         None => (unit.clone(), Vec::new()),
                     };
@@ -277,13 +282,13 @@ fn other_family(unit: &SourceUnit, to: ConvertTo) -> Diagnostic {
         .help(help)
 }
 
-/// STL is made of SCL, whose names and types are those of the program.
+/// STL is made of SCL and charts, whose names and types are those of the program.
 fn has_scl_for_stl(to: ConvertTo, parsed: &pipeline::Parsed) -> bool {
     let is_scl = |block: &Block| matches!(block, Block::Code(block) if from_scl::has_statements(&block.code));
     to == ConvertTo::Stl && parsed.units.iter().any(|(_, unit)| unit.blocks.iter().any(is_scl))
 }
 
-/// The CPU for STL made from SCL for which nobody names one: none is the one that the sources imply, as where they are run.
+/// The CPU for STL made from SCL and charts for which nobody names one: none is the one that the sources imply, as where they are run.
 fn cpu_for_stl(parsed: &pipeline::Parsed) -> Option<&'static str> {
     let implied = plcc_program::implied_profile(&parsed.units);
     // That has no STL.
@@ -294,7 +299,9 @@ fn cpu_for_stl(parsed: &pipeline::Parsed) -> Option<&'static str> {
 fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -> Result<pipeline::Bound, u8> {
     let has_cpu = parsed.project.as_ref().is_some_and(|project| project.cpu.is_some());
     let default = default.filter(|_| !has_cpu).map(str::to_string);
-    let settings = pipeline::Settings { cpu: args.cpu.clone().or(default), ..pipeline::Settings::default() };
+    let plain_charts = args.to == Some(ConvertTo::Stl);
+    let cpu = args.cpu.clone().or(default);
+    let settings = pipeline::Settings { cpu, plain_charts, ..pipeline::Settings::default() };
     let mut bound = pipeline::front(inputs::read_as(&args.inputs, args.code_page), &settings);
     if !bound.has_errors() {
         return Ok(bound);
