@@ -243,6 +243,26 @@ fn comments_stay_in_an_else_without_statements() {
     are_in_order(&text, &lines);
 }
 
+/// Only EXIT and CONTINUE need some of the labels of loops.
+#[test]
+fn labels_of_loops_are_those_that_are_used() {
+    let body = |inner: &str| {
+        format!(
+            "FUNCTION FC 1 : INT\nVAR_TEMP\n i : INT;\n n : INT;\nEND_VAR\nBEGIN\nn := 0;\nFOR i := 1 TO 5 DO\n \
+             IF n > 9 THEN {inner} END_IF;\n n := n + i;\nEND_FOR;\nREPEAT\n IF n > 9 THEN {inner} END_IF;\n \
+             n := n + 1;\nUNTIL n > 20 END_REPEAT;\nFC1 := n;\nEND_FUNCTION\n"
+        )
+    };
+    for inner in [";", "EXIT;", "CONTINUE;"] {
+        let (messages, text) = converted(&body(inner));
+        assert_eq!(messages, []);
+        let labels: Vec<&str> = text.lines().filter_map(|line| Some(line.split_once(": ")?.0)).collect();
+        for label in labels.iter().filter(|label| label.starts_with('_')) {
+            assert!(text.matches(label).count() > 1, "{label} with {inner}:\n{text}");
+        }
+    }
+}
+
 /// STEP 7 V5 has no longer ones.
 #[test]
 fn labels_have_four_characters() {

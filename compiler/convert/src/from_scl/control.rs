@@ -12,6 +12,15 @@ use super::code::number;
 pub struct Loop {
     exit: String,
     next: String,
+    /// EXIT and CONTINUE jump there.
+    exits: bool,
+    continues: bool,
+}
+
+impl Loop {
+    fn new(exit: &str, next: &str) -> Loop {
+        Loop { exit: exit.to_string(), next: next.to_string(), exits: false, continues: false }
+    }
 }
 
 /// BLKMOV.
@@ -53,8 +62,18 @@ impl Maker<'_> {
             }
             StatementKind::While { condition, body } => self.while_true(condition, body, statement),
             StatementKind::Repeat { body, until } => self.repeat(body, until),
-            StatementKind::Exit => self.leave(|inner| &inner.exit),
-            StatementKind::Continue => self.leave(|inner| &inner.next),
+            StatementKind::Exit => {
+                self.leave(|inner| {
+                    inner.exits = true;
+                    &inner.exit
+                });
+            }
+            StatementKind::Continue => {
+                self.leave(|inner| {
+                    inner.continues = true;
+                    &inner.next
+                });
+            }
             StatementKind::Return(value) => {
                 if let Some(value) = value {
                     self.condition(value);
@@ -97,8 +116,8 @@ impl Maker<'_> {
         }
     }
 
-    fn leave(&mut self, label: impl Fn(&Loop) -> &String) {
-        let name = self.loops.last().map(|inner| label(inner).clone());
+    fn leave(&mut self, label: impl Fn(&mut Loop) -> &String) {
+        let name = self.loops.last_mut().map(|inner| label(inner).clone());
         let name = name.expect("the binder only passes EXIT and CONTINUE in loops");
         self.jump(StlInsn::Jump, &name);
     }
@@ -275,11 +294,13 @@ impl Maker<'_> {
             }
         }
         self.jump(StlInsn::JumpIfNot, &exit);
-        self.loops.push(Loop { exit: exit.clone(), next: next.clone() });
+        self.loops.push(Loop::new(&exit, &next));
         self.statements(body);
-        self.loops.pop();
+        let inner = self.loops.pop();
         self.at(parts.end);
-        self.label(&next, parts.end);
+        if inner.is_some_and(|inner| inner.continues) {
+            self.label(&next, parts.end);
+        }
         self.push(StlInsn::Load, Some(counter.clone()));
         self.push(StlInsn::Load, Some(by));
         self.push(add, None);
@@ -306,7 +327,7 @@ impl Maker<'_> {
         self.label(&head, statement.span.start);
         self.condition(condition);
         self.jump(StlInsn::JumpIfNot, &exit);
-        self.loops.push(Loop { exit: exit.clone(), next: head.clone() });
+        self.loops.push(Loop::new(&exit, &head));
         self.statements(body);
         self.loops.pop();
         self.at(parts.end);
@@ -318,14 +339,18 @@ impl Maker<'_> {
     fn repeat(&mut self, body: &[Statement], until: &Expr) {
         let (head, next, exit) = (self.new_label(), self.new_label(), self.new_label());
         self.label(&head, self.span.start);
-        self.loops.push(Loop { exit: exit.clone(), next: next.clone() });
+        self.loops.push(Loop::new(&exit, &next));
         self.statements(body);
-        self.loops.pop();
+        let inner = self.loops.pop();
         self.go_to(until.span);
-        self.label(&next, until.span.start);
+        if inner.as_ref().is_some_and(|inner| inner.continues) {
+            self.label(&next, until.span.start);
+        }
         self.condition(until);
         self.jump(StlInsn::JumpIfNot, &head);
-        self.label(&exit, until.span.end);
+        if inner.is_some_and(|inner| inner.exits) {
+            self.label(&exit, until.span.end);
+        }
         self.at(until.span.end);
         self.close_labels();
     }
