@@ -243,6 +243,19 @@ fn comments_stay_in_an_else_without_statements() {
     are_in_order(&text, &lines);
 }
 
+/// No name has the width of the access.
+#[test]
+fn views_of_other_variables_are_reached_through_ar1() {
+    let source = "FUNCTION_BLOCK FB 1\nVAR\n s : STRUCT\n p : BOOL;\n n : INT;\n END_STRUCT;\n sb AT s : BYTE;\n w : WORD;\n \
+                  b AT w : ARRAY[0..15] OF BOOL;\nEND_VAR\nBEGIN\nsb := B#16#3;\nb[9] := TRUE;\nEND_FUNCTION_BLOCK\n";
+    let (messages, text) = converted(source);
+    assert_eq!(messages, []);
+    let byte = ["L     P##s;", "TAR2;", "+D;", "LAR1;", "L     B#16#3;", "T     B [AR1,P#0.0];"];
+    // In a word, bit 9 of the array is the second one of its second byte.
+    let bit = ["L     P##w;", "+     L#9;", "TAR2;", "LAR1;", "SET", "=     [AR1,P#0.0];"];
+    are_in_order(&text, &[byte, bit].concat());
+}
+
 /// Only EXIT and CONTINUE need some of the labels of loops.
 #[test]
 fn labels_of_loops_are_those_that_are_used() {
