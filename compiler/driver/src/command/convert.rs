@@ -1,5 +1,6 @@
 //! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them;
-//! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them; [`languages`]: texts that stay behind.
+//! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them; [`languages`]: texts that stay behind;
+//! [`without_stl`]: programs for an S7-1200 as STL.
 
 mod addresses;
 mod asserted;
@@ -7,6 +8,7 @@ mod companions;
 mod languages;
 mod migration;
 pub mod whole;
+mod without_stl;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -116,14 +118,14 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         },
         false => None,
     };
+    let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
+    let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str())).or(told);
     if messages.is_empty() {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         let mut library = xml::Library::with_symbols(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         if to == ConvertTo::Xml {
             library.add_system(plcc_program::system_members);
         }
-        let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
-        let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str())).or(told);
         let profile = cpu.and_then(profile::lookup);
         let keeps_br = profile.as_ref().is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
         let family =
@@ -204,7 +206,11 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 let own = own.filter(|_| is_of_sd);
                 let own = own.map(|(_, texts)| texts_beside(parsed.sources.file(*texts).text.clone()));
                 let beside = file.beside.into_iter().chain(own).chain(tags).collect();
-                files.push(Converted { name: source.name.clone(), text: file.text, beside });
+                let text = match to {
+                    ConvertTo::Stl => without_stl::text(&file.text, args.cpu.as_deref()),
+                    _ => file.text,
+                };
+                files.push(Converted { name: source.name.clone(), text, beside });
             }
         }
     }
@@ -215,6 +221,11 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     if messages.iter().any(Diagnostic::is_error) {
         report::say(&report::summary(&messages));
         return exit::COMPILE;
+    }
+    if to == ConvertTo::Stl
+        && let Some(cpu) = cpu.filter(|cpu| without_stl::is_without(cpu))
+    {
+        report::say(&without_stl::warning(cpu));
     }
     let companions = match companions::of(args, &tables, &parsed, Some((to, &files))) {
         Ok(companions) => companions,

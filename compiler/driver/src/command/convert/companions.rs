@@ -12,7 +12,7 @@ use plcc_syntax::{chart, scl};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::Converted;
+use super::{Converted, without_stl};
 use crate::cli::{ConvertArgs, ConvertTo, MnemonicsArg};
 use crate::command::exit;
 use crate::inputs::{AXES_ENDING, Read, read_text};
@@ -92,6 +92,9 @@ fn settings(
         };
         text = format!("mnemonics = \"{set}\"\n{text}");
     }
+    if to == Some(ConvertTo::Stl) {
+        text = without_stl::settings(text, args.cpu.as_deref());
+    }
     let names_cpu =
         parsed.project.as_ref().is_some_and(|project| project.cpu.is_some()) || cpu_of_pragmas(parsed).is_some();
     // Statement lists and charts of S7-GRAPH imply an S7-300, others a CPU of the TIA Portal.
@@ -145,7 +148,7 @@ pub(super) fn cpu_of_pragmas(parsed: &pipeline::Parsed) -> Option<&str> {
 }
 
 /// The name in `//@ cpu 315-2DP`, or in the same in a comment of an export.
-fn cpu_of_pragma(line: &str) -> Option<&str> {
+pub(super) fn cpu_of_pragma(line: &str) -> Option<&str> {
     let line = line.trim_start();
     let text = line.strip_prefix("//@").or_else(|| line.strip_prefix("<!--@")?.trim_end().strip_suffix("-->"))?;
     text.trim().strip_prefix("cpu")?.strip_prefix(char::is_whitespace).map(str::trim)

@@ -146,6 +146,28 @@ fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
     assert!(text(&refused.stderr).contains("S7-1200"), "{}", text(&refused.stderr));
 }
 
+/// Networks of a project for an S7-1200 are statements for an S7-1500, and its settings name one, too.
+#[test]
+fn networks_for_a_cpu_without_stl_are_for_another() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "//@ cpu s7-1200\nORGANIZATION_BLOCK Main\n{ S7_Language := \"LAD\" }\nNETWORK\n    \
+                  RUNG wire#powerrail  Contact( %M0.0 )  Coil( %M0.1 )  END_RUNG\nEND_NETWORK\n//@ assert %M0.1 == 0\n\
+                  END_ORGANIZATION_BLOCK\n";
+    fs::create_dir(folder.join("plant")).expect("the folder can be written");
+    fs::write(folder.join("plant/main.s7dcl"), source).expect("the folder can be written");
+    fs::write(folder.join("plant/plc.toml"), "cpu = \"1214C\"\n").expect("the folder can be written");
+    let made = plcc(folder, &["convert", "plant", "--to", "stl", "-o", "made/"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    assert!(text(&made.stderr).contains("`1214C` has no STL"), "{}", text(&made.stderr));
+    let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it was written");
+    assert_eq!(settings, "cpu = \"s7-1500\"\n");
+    let list = fs::read_to_string(folder.join("made/main.stl")).expect("it was written");
+    assert!(list.contains("//@ cpu s7-1500\n"), "{list}");
+    let tested = plcc(folder, &["test", "made"]);
+    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+}
+
 #[test]
 fn scl_as_stl_does_the_same() {
     let folder = tempfile::tempdir().expect("a temporary folder");
