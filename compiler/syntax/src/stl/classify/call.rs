@@ -151,6 +151,7 @@ impl Classifier<'_, '_> {
 
     /// One `name := operand` per line, up to the first line that has another form.
     pub(super) fn parameter_lines(&mut self) {
+        let mut is_reported = false;
         while let Some(first) = self.peek() {
             if !self.is_parameter(self.at) || self.next_pragma(first.start).is_some() {
                 return;
@@ -158,6 +159,24 @@ impl Classifier<'_, '_> {
             self.push(first.start as usize, Tok::ParameterLine, first.start as usize);
             self.parameter_name();
             while let Some(token) = self.peek() {
+                let continues = self.raw_at(self.at + 1).is_some_and(|next| next.kind == RawKind::Word)
+                    && self.kind_at(self.at + 2) == Some(RawKind::Assign);
+                if token.kind == RawKind::Semicolon && continues {
+                    if !is_reported {
+                        self.report(
+                            Diagnostic::new(
+                                Code::Syntax,
+                                self.span(token),
+                                "`;` ends a call, not each of its parameters",
+                            )
+                            .label("read as the end of a parameter")
+                            .help("write `;` after the last parameter only"),
+                        );
+                    }
+                    is_reported = true;
+                    self.at += 1;
+                    break;
+                }
                 if token.kind == RawKind::Semicolon || self.ends_code(self.at) {
                     return;
                 }
