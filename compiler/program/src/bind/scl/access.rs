@@ -301,13 +301,8 @@ impl SclBinder<'_, '_> {
         let reads = intent != Intent::Write || (spot.part.is_some() && !is_bit);
         if area == Some(Area::Pq) && reads {
             let title = format!("`{text}` cannot be read");
-            self.refuse(
-                Code::OperandKind,
-                span,
-                &title,
-                "this is a peripheral output",
-                "use the process image, e.g. `QW4`",
-            );
+            let help = format!("read the process image: `{}`", in_image(&text));
+            self.refuse(Code::OperandKind, span, &title, "this is a peripheral output", &help);
             return None;
         }
         match intent {
@@ -375,5 +370,17 @@ impl SclBinder<'_, '_> {
             .help(format!("declare `{name}` in VAR_IN_OUT, or write a copy of it in VAR_TEMP"));
         message.severity = plcc_diag::Severity::Warning;
         self.program.report(message);
+    }
+}
+
+/// The address in the process image of a peripheral one: `%QW2` for `%QW2:P`, `QW2` for `PQW2`.
+fn in_image(text: &str) -> String {
+    if let Some(address) = text.strip_suffix(":P").or_else(|| text.strip_suffix(":p")) {
+        return address.to_owned();
+    }
+    let (percent, letters) = text.strip_prefix('%').map_or(("", text), |rest| ("%", rest));
+    match letters.strip_prefix(['P', 'p']) {
+        Some(address) if letters.len() > 1 => format!("{percent}{address}"),
+        _ => "QW4".to_owned(),
     }
 }
