@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::ast::Dialect;
 use super::token::{Spanned, Tok};
+use crate::elementary::Elementary;
 use crate::front::{ParseState, Place};
 
 /// State of a parse of SCL, with the dialect of the file.
@@ -230,6 +231,20 @@ impl Recovery {
                     "`:` is missing after the values of CASE".to_owned(),
                     "a statement follows",
                     format!("write `{values}:`"),
+                )
+            }
+            // `#count : Int := 5;`
+            (Recovery::Statement, Tok::Local(_), Tok::Colon) if is_type(state, at.2) => {
+                let name = text(before);
+                let name = name.trim_start_matches('#');
+                let rest = state.text.get(at.2..).unwrap_or_default();
+                let rest = rest.split([';', '\n', '\r']).next().unwrap_or_default().trim();
+                told(
+                    at.0,
+                    at.2,
+                    "a variable is declared before the statements".to_owned(),
+                    "a declaration",
+                    format!("write `{name} : {rest};` in a section such as `VAR_TEMP … END_VAR`, before BEGIN"),
                 )
             }
             // `a := 1 b := 2;`
@@ -483,6 +498,14 @@ fn begins(token: &Tok) -> bool {
             | Tok::Pragma(_)
             | Tok::ImpliedOb
     )
+}
+
+/// Whether the text from byte `at` on begins with a data type.
+fn is_type(state: &State, at: usize) -> bool {
+    let rest = state.text.get(at..).unwrap_or_default().trim_start_matches(' ');
+    let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
+    let word = rest[..end].to_ascii_uppercase();
+    Elementary::from_word(&word).is_some() || matches!(word.as_str(), "STRING" | "WSTRING" | "ARRAY" | "STRUCT" | "DTL")
 }
 
 fn declaration_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static str {
