@@ -112,7 +112,7 @@ fn wrong_flags_are_usage_errors() {
     }
     for (text, says) in [
         ("MW0;MW2\n1;2\n", "i.csv:1: columns are separated by `,`; write MW0,MW2"),
-        ("MW0,MW2\n1\n", "i.csv:2: 2 values are expected, as the first line has names, but here are 1"),
+        ("MW0,MW2\n1\n", "i.csv:2: the first line has 2 names, but this one has 1 value"),
         ("MW0,Speed\n1,2\n3,4\n", "runtime: i.csv:1: `Speed` is neither an address"),
         ("MW0,mw0\n1,2\n", "i.csv:1: `mw0` has two columns; leave one of them out"),
         ("MW0,MW2\n1,2\n3,many\n", "instance 1: runtime: i.csv:3: MW2: `many` is not a value"),

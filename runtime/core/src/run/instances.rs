@@ -78,7 +78,8 @@ fn plain(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
             let line = pos.as_ref().map_or(0, csv::Position::line);
-            format!(":{line}: {expected_len} values are expected, as the first line has names, but here are {len}")
+            let names = counted(*expected_len as usize, "name");
+            format!(":{line}: the first line has {names}, but this one has {}", counted(*len as usize, "value"))
         }
         _ => format!(": {error}"),
     }
