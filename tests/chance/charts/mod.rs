@@ -64,6 +64,21 @@ fn both_ways_leave_the_same() {
     }
 }
 
+/// Statement lists that are made of charts do what the model does.
+#[test]
+fn charts_as_lists_do_what_the_model_does() {
+    let first = setting("PLCC_RANDOM_CHARTS_FROM", 1);
+    for seed in first..first + setting("PLCC_RANDOM_CHARTS", 40) / 2 {
+        let result = plcc_driver::on_large_stack(move || {
+            let case = generate::case(seed);
+            run::check_as_list(&case).map_err(|failure| (text::graph(&case.chart), text::calls(&case.calls), failure))
+        });
+        if let Err((graph, calls, failure)) = result.expect("no panic") {
+            panic!("chart {seed}\n{graph}\n{calls}\n{failure:?}");
+        }
+    }
+}
+
 /// The same without a pass, another one for each seed: no pass is needed for a right result.
 #[test]
 fn any_pass_may_be_off() {

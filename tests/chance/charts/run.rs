@@ -3,6 +3,8 @@
 use std::rc::Rc;
 
 use plcc_abi::layout;
+use plcc_convert::from_scl;
+use plcc_convert::trivia::Trivia;
 use plcc_diag::SourceFile;
 use plcc_driver::cli::Level;
 use plcc_driver::code;
@@ -14,6 +16,7 @@ use plcc_runtime::clock::{Clock, NS_PER_MS};
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::cycle::{Observer, Pace};
 use plcc_runtime::io::Simulated;
+use plcc_syntax::stl::Mnemonics;
 
 use super::chart::Chart;
 use super::generate::{Call, Case};
@@ -66,10 +69,21 @@ pub const FORMS: [Form; 2] = [Form::Plain, Form::Machine];
 
 /// Binds a chart with its caller.
 fn bound(case: &Case, long: bool) -> Result<pipeline::Bound, Failure> {
+    let (chart, caller) = (text::graph(&case.chart), text::caller(&case.chart, long));
+    let settings = Settings { require_main: true, ..Settings::default() };
+    good(pipeline::front(read([("chart.gr7", chart.as_str()), ("main.stl", caller.as_str())]), &settings))
+}
+
+/// The sources of a program, by their names.
+fn read(sources: [(&str, &str); 2]) -> Read {
     let mut read = Read { name: "chart".to_string(), ..Read::default() };
-    read.units.push(read.sources.add(SourceFile::new("chart.gr7", text::graph(&case.chart))));
-    read.units.push(read.sources.add(SourceFile::new("main.stl", text::caller(&case.chart, long))));
-    let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
+    for (name, text) in sources {
+        read.units.push(read.sources.add(SourceFile::new(name, text)));
+    }
+    read
+}
+
+fn good(bound: pipeline::Bound) -> Result<pipeline::Bound, Failure> {
     if bound.has_errors() {
         let errors: Vec<_> = bound.diagnostics.iter().filter(|message| message.is_error()).cloned().collect();
         return Err(Failure::Refused(plcc_diag::drawing::draw(&errors, &bound.sources, false)));
@@ -96,6 +110,27 @@ pub fn check(case: &Case, forms: &[Form]) -> Result<(), Failure> {
         })?;
     }
     Ok(())
+}
+
+/// Runs a chart as the statement list that is made of it.
+pub fn check_as_list(case: &Case) -> Result<(), Failure> {
+    let (chart, caller) = (text::graph(&case.chart), text::caller(&case.chart, false));
+    let plain = Settings { require_main: true, plain_charts: true, ..Settings::default() };
+    let parsed = pipeline::parse(read([("chart.gr7", chart.as_str()), ("main.stl", caller.as_str())]), &plain);
+    let unit = parsed.units[0].1.clone();
+    let program = good(pipeline::bind(parsed, &plain))?.program;
+    let meaning = (chart.as_str(), Default::default());
+    let (made, mut messages) = from_scl::unit(&unit, &program, meaning, plcc_program::with_chart_data);
+    let (list, more) = plcc_convert::stl::write(&made, Mnemonics::En, Trivia::none(), None);
+    messages.extend(more);
+    if let Some(error) = messages.iter().find(|message| message.is_error()) {
+        return Err(Failure::Refused(error.title.clone()));
+    }
+    let settings = Settings { plain_charts: false, ..plain };
+    let bound = good(pipeline::front(read([("list.stl", list.as_str()), ("main.stl", caller.as_str())]), &settings))?;
+    let compiled = pipeline::back(&bound, Level::O0.into());
+    let code = code::jit(&compiled).map_err(|error| Failure::Refused(error.to_string()))?;
+    run(case, &compiled, code)
 }
 
 /// The instance after each call, with or without the short way of the ordinary modes. Source of IL_PERM: `text::caller`.
