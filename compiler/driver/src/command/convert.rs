@@ -156,7 +156,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                             let Remarks { text, comments } = remarks(unit, &source.text).unwrap_or_else(|| {
                                 let meaning = unit.overlay.as_deref().unwrap_or(&source.text);
                                 let comments = match plcopen::is_project(&source.text) {
-                                    true => plcopen::comments(&source.text, meaning),
+                                    true => plcopen::comments_and_pragmas(&source.text, meaning),
                                     false => Vec::new(),
                                 };
                                 Remarks { text: meaning.to_string(), comments }
@@ -415,7 +415,11 @@ fn written(
             if matches!(to, ConvertTo::Xml | ConvertTo::Sd | ConvertTo::Gr7 | ConvertTo::Stl)
                 && plcopen::is_project(source) =>
         {
-            Some(Remarks { text: text.clone(), comments: plcopen::comments(source, text) })
+            let comments = match to {
+                ConvertTo::Stl => plcopen::comments_and_pragmas(source, text),
+                _ => plcopen::comments(source, text),
+            };
+            Some(Remarks { text: text.clone(), comments })
         }
         _ => remarks(unit, source),
     };

@@ -74,14 +74,19 @@ fn is_root(root: Node) -> bool {
 
 /// The comments in the bodies in ST, but for pragmas, which are statements. `overlay`: that of the project, with its text in the same places.
 pub fn comments(text: &str, overlay: &str) -> Vec<Comment> {
+    let mut found = comments_and_pragmas(text, overlay);
+    found.retain(|comment| !overlay[comment.range()].starts_with("//@"));
+    found
+}
+
+/// The comments in the bodies in ST with the pragmas, for a notation whose statements are not those of the tree.
+pub fn comments_and_pragmas(text: &str, overlay: &str) -> Vec<Comment> {
     let Ok(document) = crate::xml::parse(text) else { return Vec::new() };
     let bodies = document.descendants().filter(|node| node.tag_name().name() == "ST");
     let of_body = |range: Range<usize>| {
         let start = range.start as u32;
         let body = overlay.get(range).unwrap_or_default();
-        let found = plcc_syntax::scl::comments(body).into_iter();
-        let is_remark = move |comment: &Comment| !body[comment.range()].starts_with("//@");
-        found.filter(is_remark).map(move |comment| Comment {
+        plcc_syntax::scl::comments(body).into_iter().map(move |comment| Comment {
             start: comment.start + start,
             end: comment.end + start,
             ..comment

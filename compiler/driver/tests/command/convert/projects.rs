@@ -190,6 +190,22 @@ n := n + 1; // one more
     assert!(list.contains("// begin\n") && list.contains("// one more\n"), "{list}{}", text(&made.stderr));
 }
 
+/// Assertions in ST hold for the statements that are made of it.
+#[test]
+fn assertions_of_projects_reach_statements() {
+    let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/flip-flops/project.xml");
+    let project = project.display().to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &project, "--to", "stl", "--cpu", "s7-1500", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let count = fs::read_to_string(project).expect("a test file").matches("//@ assert").count();
+    let list = fs::read_to_string(folder.join("a.stl")).expect("it is written");
+    assert_eq!(list.matches("//@ assert").count(), count, "{list}");
+    let tested = plcc(folder, &["test", "a.stl", "--cpu", "s7-1500"]);
+    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+}
+
 /// The organization block that calls a program has its place in the file, and is not the program.
 #[test]
 fn programs_of_projects_do_not_call_themselves() {
