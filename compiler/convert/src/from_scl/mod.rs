@@ -38,6 +38,7 @@ use plcc_syntax::ast::{self, Block, Operand, SourceUnit};
 use plcc_syntax::front::Comment;
 use plcc_syntax::stl::StlInsn;
 
+use crate::to_stl::constants::with_start_values;
 use code::Temporary;
 use control::Loop;
 use position::Positions;
@@ -107,6 +108,9 @@ pub fn unit(
             let mut done = source.clone();
             done.code = code;
             maker.declare(&mut done);
+            if program.profile.family == Family::S71500 && matches!(done.code, ast::Code::Stl(_)) {
+                with_start_values(&mut done);
+            }
             *tree = done;
         }
     }

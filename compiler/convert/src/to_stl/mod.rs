@@ -8,7 +8,7 @@
 //! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`, `choices`.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names, `library`: and of blocks.
-//! - `operand`: operands of networks as operands of STL.
+//! - `operand`: operands of networks as operands of STL; `constants`: constants of blocks.
 //! - [`types`]: types of operands, where a box does not name its own.
 //!
 //! Source: LAD/FBD reference, chapter F.
@@ -17,6 +17,7 @@ mod boxes;
 mod calls;
 mod choices;
 mod compare;
+pub(crate) mod constants;
 mod control;
 mod elements;
 mod fields;
@@ -56,7 +57,12 @@ pub fn unit(unit: &SourceUnit, types: &Types, keeps_br: bool) -> (SourceUnit, Ve
         let Block::Code(code) = block else { continue };
         let ast::Code::Graphic(body) = &code.code else { continue };
         match self::block(code, body, types, keeps_br) {
-            Ok(done) => *code = done,
+            Ok(mut done) => {
+                if types.is_portal {
+                    constants::with_start_values(&mut done);
+                }
+                *code = done;
+            }
             Err(found) => messages.extend(found),
         }
     }
