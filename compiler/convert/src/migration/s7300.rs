@@ -43,6 +43,7 @@ const REGISTERS: Verdict = (
     Changes,
     "registers do not reach a called block, and are lost after one, unless it has \"Parameter passing via registers\"",
 );
+const INSTRUCTION: Verdict = (Carries, "the instruction of this name");
 const STATUS: Verdict = (Carries, "the status word is computed only where the block uses it");
 
 /// What becomes of an instruction of STL.
@@ -308,6 +309,37 @@ const fn system_function_block(number: u16) -> Verdict {
     }
 }
 
+/// What becomes of a function of the standard libraries: IEC functions, TI-S7 blocks and communication.
+const fn library_function(number: u16) -> Verdict {
+    match number {
+        2 | 4 | 11 | 17 | 20 | 21 | 22 | 25 | 26 | 27 | 31 | 32 | 36 | 93 | 96..=99 | 105 | 106 => INSTRUCTION,
+        1 => (Changes, "T_ADD"),
+        3 => (Changes, "T_COMBINE"),
+        6 | 8 | 33 | 40 => (Changes, "T_CONV"),
+        7 => (Changes, "WEEKDAY of a DTL"),
+        34 => (Changes, "T_DIFF"),
+        35 => (Changes, "T_SUB"),
+        9 | 12 | 14 | 18 | 23 | 28 => (Changes, "T_COMP"),
+        10 | 13 | 15 | 19 | 24 | 29 => (Changes, "S_COMP"),
+        5 | 16 | 30 | 37..=39 => (Changes, "S_CONV"),
+        50 | 60 => (Changes, "TSEND_C and TRCV_C"),
+        _ => (Unknown, ""),
+    }
+}
+
+/// What becomes of a function block of the standard libraries.
+const fn library_function_block(number: u16) -> Verdict {
+    match number {
+        41..=43 | 58 | 59 | 63 | 64 | 66..=68 | 80..=85 => INSTRUCTION,
+        65 => (Changes, "TCON, whose connection is in a structure such as TCON_IP_v4"),
+        28 => (Changes, "USEND"),
+        29 => (Changes, "URCV"),
+        34 => (Changes, "GET"),
+        35 => (Changes, "PUT"),
+        _ => (Unknown, ""),
+    }
+}
+
 /// What becomes of an operand, with the name of its part; `None`: nothing to say.
 fn of_operand(program: &Program, address: &str) -> Option<(String, Verdict)> {
     let digits = address.find(|c: char| c.is_ascii_digit())?;
@@ -325,6 +357,14 @@ fn of_operand(program: &Program, address: &str) -> Option<(String, Verdict)> {
         "SFB" => {
             let number = number.parse().ok()?;
             (name(BlockKind::Sfb, number), system_function_block(number))
+        }
+        "FC" | "FB" => {
+            let kind = if letters == "FC" { BlockKind::Fc } else { BlockKind::Fb };
+            let number = number.parse().ok()?;
+            // Those of the program are looked at themselves.
+            program.block(plcc_model::BlockKey { kind, number }).filter(|block| block.library)?;
+            let verdict = if kind == BlockKind::Fc { library_function(number) } else { library_function_block(number) };
+            (name(kind, number), verdict)
         }
         "T" => ("S5 timers".into(), (Carries, "IEC timers are more exact, and are not limited in number")),
         "C" => ("S5 counters".into(), (Carries, "IEC counters have a larger range, and are not limited in number")),

@@ -90,6 +90,25 @@ fn other_notations_of_the_s7_200_are_refused_with_what_to_do() {
     assert!(text(&output.stderr).contains("only sources of the S7-200"), "{}", text(&output.stderr));
 }
 
+/// Blocks of the libraries are in the report of a migration, those of the program with their own statements.
+#[test]
+fn reports_of_migrations_have_blocks_of_the_libraries() {
+    let list = "FUNCTION FC 2 : VOID\nVAR_TEMP\n  s : STRING[20];\nEND_VAR\nBEGIN\nNETWORK\n      \
+                CALL  FC 10 (S1 := #s, S2 := #s, RET_VAL := M 0.0);\n      \
+                CALL  FC 105 (IN := IW 64, HI_LIM := 1.0, LO_LIM := 0.0, BIPOLAR := FALSE, RET_VAL := MW 2, OUT := MD 4);\n      \
+                CALL  FB 41, DB 41;\nEND_FUNCTION\nDATA_BLOCK DB 41 FB 41\nBEGIN\nEND_DATA_BLOCK\n\
+                ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      CALL FC 2;\nEND_ORGANIZATION_BLOCK\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.stl"), list).expect("the folder can be written");
+    let output = plcc(folder, &["convert", "a.stl", "--report", "s7-1500"]);
+    let report = text(&output.stdout);
+    assert!(report.contains("  FC 10 EQ_STRNG    S_COMP\n      a.stl:7  CALL FC 10 ("), "{report}");
+    assert!(report.contains("  FC 105 SCALE (1)  the instruction of this name\n"), "{report}");
+    assert!(report.contains("  FB 41 CONT_C (1)  the instruction of this name\n"), "{report}");
+    assert!(!report.contains("FC 2 "), "{report}");
+}
+
 /// Statements of STL have no steps.
 #[test]
 fn charts_are_refused_as_stl() {
