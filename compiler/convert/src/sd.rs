@@ -84,6 +84,20 @@ fn units(mut writer: Writer, unit: &SourceUnit) -> Document {
     Document { text: writer.out.into_text(), texts: texts.into_text(), messages: writer.messages }
 }
 
+/// A source for a CPU of the TIA Portal: its blocks in SCL without a feature of either dialect are in that of the TIA Portal.
+pub fn of_portal(unit: &SourceUnit) -> SourceUnit {
+    let mut unit = unit.clone();
+    for block in &mut unit.blocks {
+        if let Block::Code(code) = block
+            && let Code::Scl(body) = &mut code.code
+            && body.dialect == Dialect::Either
+        {
+            body.dialect = Dialect::Tia;
+        }
+    }
+    unit
+}
+
 impl Writer<'_> {
     /// `end`: where its comments end.
     fn sd_block(&mut self, block: &CodeBlock, end: u32, texts: &mut Texts) {
@@ -94,14 +108,23 @@ impl Writer<'_> {
         };
         if !is_written {
             let name = self.block_name(&block.name);
-            let help = match &block.code {
-                Code::Stl(_) => "write it as networks first, with `--to lad` or `--to fbd`",
-                Code::Scl(_) => {
-                    "if its CPU has STL, convert it with `--to stl`, and the result with `--to lad` or `--to fbd`"
+            let no_networks = format!("{name} has no networks");
+            let as_stl = "if its CPU has STL, convert it with `--to stl`, and the result with `--to lad` or `--to fbd`";
+            let (title, help) = match &block.code {
+                Code::Stl(_) => (no_networks, "write it as networks first, with `--to lad` or `--to fbd`"),
+                Code::Scl(body) if self.scl_as_networks && body.dialect == Dialect::Either => (
+                    format!("{name} follows the rules of STEP 7 V5, as nothing in it shows the TIA Portal"),
+                    "name its CPU with `--cpu` or in plc.toml if it is of the TIA Portal",
+                ),
+                Code::Scl(body) if self.scl_as_networks && body.dialect == Dialect::Classic => {
+                    (format!("{name} is SCL of STEP 7 V5, which has other rules than that of the TIA Portal"), as_stl)
                 }
-                Code::Chart(_) | Code::Graphic(_) => "leave it as it is: plcc builds charts and networks together",
+                Code::Scl(_) => (no_networks, as_stl),
+                Code::Chart(_) | Code::Graphic(_) => {
+                    (no_networks, "leave it as it is: plcc builds charts and networks together")
+                }
             };
-            return self.refuse(block.name.span(), format!("{name} has no networks"), help);
+            return self.refuse(block.name.span(), title, help);
         }
         let keyword = match block.kind {
             CodeKind::Ob => "ORGANIZATION_BLOCK",

@@ -176,6 +176,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 }
                 ConvertTo::Lad => to_graph::unit(unit, &types, Graphic::Lad),
                 ConvertTo::Fbd => to_graph::unit(unit, &types, Graphic::Fbd),
+                ConvertTo::Sd if family.is_portal() => (sd::of_portal(unit), Vec::new()),
                 ConvertTo::Sd
                 | ConvertTo::Scl
                 | ConvertTo::Gr7

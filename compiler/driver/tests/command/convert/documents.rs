@@ -4,6 +4,22 @@ use std::fs;
 
 use super::{plcc, text};
 
+/// SCL that shows neither the TIA Portal nor STEP 7 V5 is that of its CPU.
+#[test]
+fn plain_scl_becomes_a_document_if_its_cpu_is_of_the_portal() {
+    let scl = "FUNCTION_BLOCK Sum\nVAR_INPUT\n  a : INT;\nEND_VAR\nVAR\n  n : INT;\nEND_VAR\nBEGIN\n  n := n + a;\nEND_FUNCTION_BLOCK\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), scl).expect("the folder can be written");
+    let refused = plcc(folder, &["convert", "a.scl", "--to", "sd"]);
+    assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stdout));
+    assert!(text(&refused.stderr).contains("name its CPU with `--cpu`"), "{}", text(&refused.stderr));
+    let made = plcc(folder, &["convert", "a.scl", "--to", "sd", "--cpu", "s7-1500", "-o", "a.s7dcl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let checked = plcc(folder, &["check", "a.s7dcl", "--cpu", "s7-1500"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+}
+
 /// Elements are spelt as their author did, and pins that nothing is connected to are shown.
 #[test]
 fn documents_come_back_as_they_were() {
