@@ -48,6 +48,13 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("OTU", "write `R`"),
     ("ONS", "write `FP` with an edge memory bit"),
     ("POS", "write `FP` with an edge memory bit"),
+    ("R_TRIG", "write `FP` with an edge memory bit"),
+    ("F_TRIG", "write `FN` with an edge memory bit"),
+    ("NA", "write `AN`"),
+    ("NO", "write `ON`"),
+    ("XO", "write `X`"),
+    ("NET", "write `NETWORK`"),
+    ("END_NETWORK", "remove it: a network ends where the next one begins, or with its block"),
     ("RTO", "write `SS`, or `CALL` the function block"),
     ("JSR", "write `CALL`"),
     ("LBL", "a label ends with `:` and stands before a statement"),
@@ -113,6 +120,16 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("DTI", "a DINT from -32768 to 32767 has its INT in the low word already: remove this, and test the range before"),
 ];
 
+/// What those words mean that have no operand: they combine accumulators.
+const OF_ACCUMULATORS: &[(&str, &str)] = &[
+    ("AND", "write `AW` for words, `AD` for double words"),
+    ("UND", "write `AW` for words, `AD` for double words"),
+    ("OR", "write `OW` for words, `OD` for double words"),
+    ("ODER", "write `OW` for words, `OD` for double words"),
+    ("XOR", "write `XOW` for words, `XOD` for double words"),
+    ("XODER", "write `XOW` for words, `XOD` for double words"),
+];
+
 /// The constant of STL with up to 8 hexadecimal digits; none: these are others, or more.
 pub fn hexadecimal(digits: &str) -> Option<String> {
     let prefix = match digits.len() {
@@ -162,7 +179,8 @@ pub fn is_known(word: &str) -> bool {
 
 /// What to write instead of `word` (upper case; `text` as written). `follows`: the rest of the statement.
 pub fn instruction(word: &str, text: &str, follows: &str, set: Mnemonics) -> String {
-    if let Some((_, help)) = KNOWN_SLIPS.iter().find(|(slip, _)| *slip == word) {
+    let of_accumulators = OF_ACCUMULATORS.iter().filter(|_| follows.is_empty());
+    if let Some((_, help)) = of_accumulators.chain(KNOWN_SLIPS).find(|(slip, _)| *slip == word) {
         return in_set(help, set);
     }
     if let Some(insn) = instruction_of(word, other(set)) {
@@ -254,6 +272,8 @@ mod tests {
         assert_eq!(help("UND", "E 0.1", Mnemonics::De), "write `U`");
         assert_eq!(help("UND", "I 0.1", Mnemonics::En), "write `A`");
         assert_eq!(help("JMP", "m1", Mnemonics::De), "write `SPA`");
+        assert_eq!(help("AND", "", Mnemonics::En), "write `AW` for words, `AD` for double words");
+        assert_eq!(help("UND", "", Mnemonics::De), "write `UW` for words, `UD` for double words");
         assert!(help("JZN", "m1", Mnemonics::En).contains("another instruction"));
         assert_eq!(help("TRUC", "", Mnemonics::En), "did you mean `TRUNC`?");
         assert!(help("INT", "", Mnemonics::En).starts_with("a statement is"));

@@ -1,12 +1,13 @@
 //! Text among the statements that is not STL: statements of SCL, prose, declarations after BEGIN.
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{Classifier, is_end_of_block, is_section, unquoted};
+use crate::ast::{Area, Width};
 use crate::front::extent;
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
-use crate::stl::{OperandClass, messages, suggest};
+use crate::stl::{OperandClass, StlInsn, messages, mnemonics, suggest};
 
 impl<'a> Classifier<'a, '_> {
     /// Whether `name.part[1] :=` follows.
@@ -112,6 +113,14 @@ impl<'a> Classifier<'a, '_> {
                 );
                 self.end_of_label();
                 self.take_up_to(Tok::Label(label), after + 1);
+            }
+            RawKind::Word | RawKind::Quoted if let Some((target, help)) = self.assignment(index) => {
+                self.report(
+                    Diagnostic::new(Code::ForeignForm, target, "a statement begins with an instruction")
+                        .label("a form of other languages")
+                        .help(help),
+                );
+                self.bad_statement();
             }
             RawKind::Quoted if self.kind_at(index + 1) == Some(RawKind::Colon) => {
                 let label = unquoted(slice);
@@ -243,6 +252,35 @@ impl<'a> Classifier<'a, '_> {
         self.push(start, Tok::BadStatement, end);
         self.end_statement();
         true
+    }
+
+    /// `MW 2 := 5`, `Q 0.0 = I 0.0`, `"lamp" = #on` at `index`: what is assigned to, and the statements that are meant.
+    fn assignment(&self, index: usize) -> Option<(Span, String)> {
+        const TOKENS_MAX: usize = 3;
+        let first = self.raw_at(index)?;
+        let sign = (index + 1..=index + TOKENS_MAX)
+            .take_while(|at| self.raw_at(*at).is_some_and(|token| !token.first_on_line))
+            .find(|at| matches!(self.kind_at(*at), Some(RawKind::Assign | RawKind::Equal)))
+            .filter(|sign| !self.ends_before(sign + 1))?;
+        let span = self.span_of(first.start as usize, self.raw[sign - 1].end as usize);
+        let (target, value) = (&self.text[span.range()], self.rest_of_statement(sign + 1));
+        let [and, assign, load, transfer] =
+            [StlInsn::And, StlInsn::Assign, StlInsn::Load, StlInsn::Transfer].map(|insn| insn.mnemonic(self.set));
+        let bits = format!("`{and} {value}` and `{assign} {target}`");
+        let values = format!("`{load} {value}` and `{transfer} {target}`");
+        if first.kind == RawKind::Quoted {
+            let whole = sign == index + 1;
+            return whole.then(|| (span, format!("write {bits} for bits, {values} for numbers")));
+        }
+        let upper = self.upper(index);
+        let (letters, digits) = mnemonics::letters_and_digits(upper.as_str());
+        let (area, width) = mnemonics::area(letters, Some(self.set))?;
+        let has_number = !digits.is_empty() || matches!(self.kind_at(index + 1), Some(RawKind::Number | RawKind::Real));
+        // `I 0.0 = Q 0.0`: only the first instruction is missing.
+        if !has_number || matches!(area, Area::I | Area::Pi) {
+            return None;
+        }
+        Some((span, format!("write {}", if width == Width::Bit { bits } else { values })))
     }
 
     /// `lab-1`, `lab.1`, `lab 1` at `index`, with the index after it.
