@@ -38,6 +38,8 @@ pub(super) fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
         let codes = [
             Code::Syntax,
             Code::UnknownInstruction,
+            Code::MissingOperand,
+            Code::OperandKind,
             Code::ForeignForm,
             Code::UnexpectedCharacter,
             Code::BadLiteral,
