@@ -66,7 +66,8 @@ pub fn unreachable(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
     for statement in statements {
         match &statement.kind {
             StlStatementKind::Label(_) => end = None,
-            StlStatementKind::Instruction { insn: StlInsn::Nop | StlInsn::Display | StlInsn::BlockEnd, .. }
+            StlStatementKind::Instruction { insn: StlInsn::BlockEnd, .. } => end = Some(statement.span),
+            StlStatementKind::Instruction { insn: StlInsn::Nop | StlInsn::Display, .. }
             | StlStatementKind::Assert(_)
             | StlStatementKind::Sleep(_) => {}
             StlStatementKind::Instruction { .. } | StlStatementKind::JumpList { .. } | StlStatementKind::Call(_) => {
