@@ -71,6 +71,8 @@ pub struct Form {
 #[derive(Debug)]
 pub struct PinOfCall {
     pub pin: &'static Pin,
+    /// That of the pin, or [`Direction::Input`] for a constant, to which nothing is written back.
+    pub direction: Direction,
     /// As a declaration writes it.
     pub ty: String,
     /// The type of the index of the element, if `ty` is the array that holds it.
@@ -180,13 +182,14 @@ const FORMS: &[Form] = &[
     Form { name: "S_CONV", computation: Computation::Output, pins: FROM_SOURCE },
     Form {
         name: "STRG_VAL", computation: Computation::Output,
-        pins: &[input("IN", SOURCE), input("FORMAT", WORD), input("P", UINT), output("OUT", RESULT)],
+        // P is then where the number ends.
+        pins: &[input("IN", SOURCE), input("FORMAT", WORD), in_out("P", UINT), output("OUT", RESULT)],
     },
     Form {
         name: "VAL_STRG", computation: Computation::Output,
         // The text keeps what stands before and after the number.
         pins: &[
-            input("IN", SOURCE), input("SIZE", USINT), input("PREC", USINT), input("FORMAT", WORD), input("P", UINT),
+            input("IN", SOURCE), input("SIZE", USINT), input("PREC", USINT), input("FORMAT", WORD), in_out("P", UINT),
             in_out("OUT", RESULT),
         ],
     },
@@ -260,7 +263,7 @@ impl Form {
             [("VAR_INPUT", Direction::Input), ("VAR_OUTPUT", Direction::Output), ("VAR_IN_OUT", Direction::InOut)]
         {
             let _ = writeln!(declarations, "{section}");
-            for PinOfCall { pin, ty, .. } in pins.iter().filter(|one| one.pin.direction == direction) {
+            for PinOfCall { pin, ty, .. } in pins.iter().filter(|one| one.direction == direction) {
                 let _ = writeln!(declarations, "  {} : {ty} ;", pin.name);
             }
             let indices = pins.iter().filter_map(|one| Some((index_name(one.pin), one.index.as_ref()?)));
@@ -324,7 +327,8 @@ mod tests {
         let form = Form::find(name).expect("it is in the table");
         let index = |ty: &str| ty.starts_with("ARRAY").then(|| "DINT".to_owned());
         let pins = form.pins.iter().zip(types);
-        let pins = pins.map(|(pin, ty)| PinOfCall { pin, ty: (*ty).to_owned(), index: index(ty) });
+        let pins =
+            pins.map(|(pin, ty)| PinOfCall { pin, direction: pin.direction, ty: (*ty).to_owned(), index: index(ty) });
         form.function(&pins.collect::<Vec<_>>(), operator)
     }
 
@@ -332,7 +336,7 @@ mod tests {
     fn pins_are_declared_with_their_types() {
         let text = function("val_strg", &["REAL", "USINT", "USINT", "WORD", "UINT", "STRING"], "");
         assert!(text.contains("VAR_INPUT\n  IN : REAL ;\n  SIZE : USINT ;\n"));
-        assert!(text.contains("VAR_IN_OUT\n  OUT : STRING ;\nEND_VAR\n"));
+        assert!(text.contains("VAR_IN_OUT\n  P : UINT ;\n  OUT : STRING ;\nEND_VAR\n"));
         assert!(text.contains("FORMAT := #FORMAT, P := #P, OUT => #OUT, ENO => #good);\n"));
     }
 

@@ -12,9 +12,9 @@ use crate::bind::stl::StlBinder;
 use crate::bind::stl::move_call::called_name;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::fold;
-use plcc_model::Call;
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary};
+use plcc_model::{Call, Direction};
 
 /// What an actual parameter tells about the type of its pin. Types are as declarations write them.
 enum Told {
@@ -141,9 +141,16 @@ impl StlBinder<'_, '_> {
         named: &[(String, String)],
     ) -> Option<Vec<PinOfCall>> {
         let mut told = Vec::with_capacity(form.pins.len());
+        let mut directions = Vec::with_capacity(form.pins.len());
         for pin in form.pins {
             let actual = call.parameters.iter().find(|given| is_named(given, pin.name));
             let actual = actual.and_then(|given| given.actual.as_ref()).expect("the call supplies each pin");
+            let is_constant =
+                matches!(actual.kind, OperandKind::Literal(_)) || self.constant_operand(ctx, actual).is_some();
+            directions.push(match (pin.ty, pin.direction) {
+                (PinType::Fixed(_), Direction::InOut) if is_constant => Direction::Input,
+                (_, direction) => direction,
+            });
             told.push(match pin.ty {
                 PinType::Fixed(ty) => Some(Told::Type(ty.name().to_owned())),
                 PinType::Actual(_) | PinType::Number(_) => self.told_by(ctx, form, actual),
@@ -153,7 +160,7 @@ impl StlBinder<'_, '_> {
         let told: Vec<Told> = told.into_iter().collect::<Option<_>>()?;
         let words: Vec<Option<&str>> = form.pins.iter().map(|pin| pin.ty.word()).collect();
         let mut pins = Vec::with_capacity(told.len());
-        for (pin, (one, word)) in form.pins.iter().zip(told.iter().zip(&words)) {
+        for ((pin, direction), (one, word)) in form.pins.iter().zip(directions).zip(told.iter().zip(&words)) {
             let of_call = || named_type(named, &words, (*word)?);
             let of_others = || {
                 let mut others = told.iter().zip(&words).filter(|(_, other)| *other == word);
@@ -189,7 +196,7 @@ impl StlBinder<'_, '_> {
                 Told::Elements(elements) => Some(elements.index_type.clone()),
                 Told::Type(_) | Told::Constant(_) | Told::Width(_) | Told::Fitting(_) => None,
             };
-            pins.push(PinOfCall { pin, ty, index });
+            pins.push(PinOfCall { pin, direction, ty, index });
         }
         for (pin, one) in form.pins.iter().zip(told) {
             let Told::Elements(elements) = one else { continue };
