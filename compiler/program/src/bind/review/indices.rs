@@ -23,7 +23,13 @@ pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec
             used.passed(body);
             if let Some(Beyond { index, offset, low, high, is_text, guard }) = used.beyond {
                 let within = |value: i128| (value + offset).clamp(low, high) - offset;
-                let (from, to) = (within(start), within(last));
+                // `FOR #i := 0 TO 9` for 1 to 10: all are meant.
+                let is_shifted = offset == 0 && (last - start).abs() == high - low;
+                let (from, to) = match step {
+                    1 if is_shifted => (low - offset, high - offset),
+                    -1 if is_shifted => (high - offset, low - offset),
+                    _ => (within(start), within(last)),
+                };
                 let by = if step == 1 { String::new() } else { format!(" BY {step}") };
                 let (title, parts, longer) = match is_text {
                     true => ("the loop goes beyond the characters of this text", "characters", "a longer text"),
