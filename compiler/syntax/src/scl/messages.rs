@@ -214,6 +214,14 @@ impl Recovery {
                     format!("write `[{}]` for one element; FILL_BLK sets several, MOVE_BLK copies them", text(before)),
                 )
             }
+            // `2, 3,: #q := TRUE;` in CASE
+            (Recovery::CaseValue, Tok::Comma, _) if text(at) == ":" => told(
+                before.0,
+                before.2,
+                "no value follows `,`".to_owned(),
+                "one sign too many",
+                "remove `,` before `:`".to_owned(),
+            ),
             // `2, 3 #q := TRUE;` in CASE
             (Recovery::CaseValue, Tok::Literal(_), Tok::Comma) => {
                 let is_value =
