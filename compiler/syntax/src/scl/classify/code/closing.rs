@@ -35,7 +35,14 @@ impl<'a> Classifier<'a, '_> {
             Keyword::EndWhile => statement.keyword == Keyword::While,
             _ => statement.keyword == Keyword::Repeat,
         };
-        let Some(index) = open.iter().rposition(fits) else { return self.nothing_to_close(word, token) };
+        let Some(index) = open.iter().rposition(fits) else {
+            let begins = matches!(word, Keyword::Elsif | Keyword::ElseIf)
+                && !open.iter().any(|statement| statement.keyword == Keyword::If);
+            return match begins {
+                true => self.if_without_beginning(token, open),
+                false => self.nothing_to_close(word, token),
+            };
+        };
         while open.len() > index + 1 {
             let statement = open.pop().expect("longer than the index");
             self.unclosed_statement(statement);
@@ -208,6 +215,17 @@ impl<'a> Classifier<'a, '_> {
                 &format!("write `{};`", if text.eq_ignore_ascii_case(meant.word()) { text } else { meant.word() }),
             );
         }
+    }
+
+    /// ELSIF where no IF is open: it begins one, so that its END_IF closes something.
+    fn if_without_beginning(&mut self, token: RawToken, open: &mut Vec<Open>) {
+        let text = self.slice(token);
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(token), format!("`{text}` has no matching IF"))
+                .label("read as `IF`")
+                .help("write `IF`"),
+        );
+        self.structured(Keyword::If, token, open);
     }
 
     fn nothing_to_close(&mut self, word: Keyword, token: RawToken) {
