@@ -4,7 +4,7 @@ use plcc_syntax::symbols::{QUOTE_MISSING, UnreadableRow, parse_address};
 
 use super::columns::Columns;
 use super::format::names_addresses;
-use super::{Reader, lines, misspelt};
+use super::{Reader, external, lines, misspelt};
 
 impl Reader<'_> {
     /// Quoted or bare fields, in the order of STEP 7, or in `columns`, which the first line names. A line with a missing quote is removed
@@ -50,7 +50,13 @@ impl Reader<'_> {
                     let (address, comment) = (field(columns.address), field(columns.comment));
                     // A tag whose address was not entered.
                     if !address.is_empty() || field(Some(columns.name)).is_empty() {
+                        let before = self.table.symbols.len();
                         self.row(start, line, field(Some(columns.name)), address, field(columns.ty), comment);
+                        // The row may be wrong.
+                        if let Some(symbol) = self.table.symbols.get_mut(before) {
+                            let setting = |column: Option<usize>| column.and_then(|at| record.get(at));
+                            symbol.external = external(setting(columns.accessible), setting(columns.writable));
+                        }
                     }
                 }
                 continue;

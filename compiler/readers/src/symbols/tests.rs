@@ -43,6 +43,16 @@ fn portal_columns() {
 }
 
 #[test]
+fn columns_say_what_clients_may_do() {
+    let text = "Name;Data Type;Logical Address;Hmi Visible;Hmi Accessible;Hmi Writeable\nA;Int;%MW0;False;False;False\nBad;Int;%X9;;False;\n\
+                B;Int;%MW2;True;True;False\nC;Int;%MW4;False;True;True\nD;Int;%MW6\n";
+    let (table, _) = parse(FileId(0), &SourceFile::new("table", text));
+    let found: Vec<(&str, External)> =
+        table.symbols.iter().map(|symbol| (symbol.name.as_str(), symbol.external)).collect();
+    assert_eq!(found, [("A", External::Hidden), ("B", External::Read), ("C", External::Write), ("D", External::Write)]);
+}
+
+#[test]
 fn assignment_list() {
     let (rows, bad) = read("\tA 4.1\tLamp on\ttext\r\n\tFC 105\tSCALE\t\r\n\tFC\r\n");
     assert_eq!((rows[0].1, rows[1].1, bad), (LAMP, SCALE, 1));
