@@ -233,10 +233,7 @@ impl Session {
                 Ok(acknowledge(reference, 0, &[READ, count], &data))
             }
             WRITE => {
-                if !self.may_write() {
-                    return Err(Refused(NOT_IMPLEMENTED));
-                }
-                let codes = variables::write(plc, rest, data)?;
+                let codes = variables::write(plc, rest, data, self.may_write())?;
                 Ok(acknowledge(reference, 0, &[WRITE, codes.len() as u8], &codes))
             }
             START | STOP | REQUEST_DOWNLOAD..=END_UPLOAD if plc.family().is_portal() => Err(Refused(NOT_IMPLEMENTED)),

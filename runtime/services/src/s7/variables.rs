@@ -219,8 +219,8 @@ fn size(place: &Place, element: &Element) -> u32 {
     if matches!(place.area, Area::Timers | Area::Counters) { place.count * element.bytes.max(2) } else { place.count }
 }
 
-/// Write Var: the codes of the items. Items are written in order; those after a failed one as well.
-pub fn write(plc: &dyn Plc, mut parameter: Bytes, mut data: Bytes) -> Result<Vec<u8>, Refused> {
+/// Write Var: the codes of the items. Items are written in order; those after a failed one as well. `may_write`: the client may.
+pub fn write(plc: &dyn Plc, mut parameter: Bytes, mut data: Bytes, may_write: bool) -> Result<Vec<u8>, Refused> {
     let items = items(plc.family(), &mut parameter).ok_or(Refused(WRONG_PDU))?;
     let count = items.len();
     // Nothing is written of a job whose data is cut.
@@ -241,8 +241,8 @@ pub fn write(plc: &dyn Plc, mut parameter: Bytes, mut data: Bytes) -> Result<Vec
     let mut codes = Vec::with_capacity(count);
     for (item, (transport, length, values)) in jobs {
         let done = item.and_then(|(place, element)| {
-            // The program sets it.
-            if is_bit_of_cell(&place) {
+            // The program sets the bit.
+            if !may_write || is_bit_of_cell(&place) {
                 return Err(ItemError::NotAllowed);
             }
             let fits = match (place.bit, transport) {
