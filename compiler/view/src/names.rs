@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use plcc_abi::image::BlockKind;
 use plcc_model::types::{DataType, Elementary, Member};
 use plcc_model::{BlockKey, DataBlock, Program};
 
@@ -63,13 +64,21 @@ impl Names {
         names
     }
 
-    /// The name of the FB whose instance `text` names.
-    pub fn block_of_instance(&self, text: &str) -> Option<String> {
-        let (local, parts) = path(text)?;
-        let [name] = &parts[..] else { return None };
-        let db = self.dbs.iter().find(|db| !local && db.name.eq_ignore_ascii_case(name))?;
-        let block = db.instance_of?;
-        Some(self.blocks.get(&block).map_or(block.to_string(), |name| format!("\"{name}\"")))
+    /// The name of the FB whose instance `text` names, as it is written in its box: a data block, a variable or an element of an array.
+    pub fn block_of_instance(&self, text: &str, scope: Scope) -> Option<String> {
+        let (local, parts) = path(&without_indices(text))?;
+        let db = match &parts[..] {
+            [name] if !local => self.dbs.iter().find(|db| db.name.eq_ignore_ascii_case(name)),
+            _ => None,
+        };
+        let of_variable = || instance_of(self.type_named(local, &parts, scope)?);
+        let block = db.and_then(|db| db.instance_of).or_else(of_variable)?;
+        Some(match self.blocks.get(&block) {
+            // Instructions of the system have no quotes.
+            Some(name) if block.kind == BlockKind::Sfb => name.clone(),
+            Some(name) => format!("\"{name}\""),
+            None => block.to_string(),
+        })
     }
 
     /// The symbols and their addresses, in order of the addresses.
@@ -164,8 +173,34 @@ impl Names {
                 return type_of(&db.members, rest).is_some_and(is_float);
             }
         }
-        let variables = scope.block.and_then(|block| self.locals.get(&block));
-        variables.and_then(|variables| type_of(variables, &parts)).is_some_and(is_float)
+        self.type_named(true, &parts, scope).is_some_and(is_float)
+    }
+
+    /// The type of a variable of the block, if the path is local, or of a component of a data block. Indices of arrays are left out.
+    fn type_named(&self, local: bool, parts: &[String], scope: Scope) -> Option<&DataType> {
+        if local {
+            return type_of(self.locals.get(&scope.block?)?, parts);
+        }
+        let (root, rest) = parts.split_first()?;
+        type_of(&self.db_named(root)?.members, rest)
+    }
+}
+
+/// The block of which values of a type are instances; of an array those in it.
+fn instance_of(ty: &DataType) -> Option<BlockKey> {
+    match ty {
+        DataType::Struct(structure) => structure.instance_of.map(|(is_system, number)| {
+            let kind = if is_system { BlockKind::Sfb } else { BlockKind::Fb };
+            BlockKey { kind, number }
+        }),
+        DataType::Array(array) => instance_of(&array.element),
+        DataType::OpenArray(_)
+        | DataType::Elementary(_)
+        | DataType::DateAndTime
+        | DataType::String(_)
+        | DataType::WideString(_)
+        | DataType::Parameter(_)
+        | DataType::Void => None,
     }
 }
 
@@ -243,6 +278,24 @@ fn walk(number: u16, ty: &DataType, byte: u32, bit: u8, path: &[String]) -> Opti
         | DataType::OpenArray(_)
         | DataType::Void => None,
     }
+}
+
+/// A path without the indices of its arrays: `#lamps` of `#lamps[#at + 1]`.
+fn without_indices(text: &str) -> String {
+    let (mut depth, mut is_quoted) = (0_usize, false);
+    let is_outside = |c: &char| {
+        match c {
+            '"' => is_quoted = !is_quoted,
+            '[' if !is_quoted => depth += 1,
+            ']' if !is_quoted => {
+                depth = depth.saturating_sub(1);
+                return false;
+            }
+            _ => {}
+        }
+        depth == 0
+    };
+    text.chars().filter(is_outside).collect()
 }
 
 /// The parts of `#a.b`, `"Db x".c`, and whether it is a local name. None if it is not a plain name: indices,

@@ -45,6 +45,31 @@ fn a_calculation_shows_its_formula() {
     }
 }
 
+/// In the box as if the instance were a data block.
+#[test]
+fn a_call_of_an_instance_in_the_block_shows_the_block() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let lamp = "FUNCTION_BLOCK \"Lamp\"\nVAR_INPUT\n  on : BOOL;\nEND_VAR\nVAR_OUTPUT\n  lit : BOOL;\nEND_VAR\nBEGIN\n\
+                A #on;\n= #lit;\nEND_FUNCTION_BLOCK\n";
+    let list = "FUNCTION_BLOCK \"List\"\nVAR\n  one : \"Lamp\";\nEND_VAR\nBEGIN\nNETWORK\n\
+                CALL #one (on := M 0.0, lit := M 0.1);\nEND_FUNCTION_BLOCK\n";
+    let drawn = "FUNCTION_BLOCK Drawn\n  VAR\n    lamps : Array[1..2] of Lamp;\n  END_VAR\n  { S7_Language := \"LAD\" }\n  \
+                 NETWORK\n    RUNG wire#powerrail #lamps[1]( on := %M0.0, lit => %M0.1 ) END_RUNG\n  END_NETWORK\n\
+                 END_FUNCTION_BLOCK\n";
+    fs::write(folder.join("lamps.stl"), format!("{lamp}{list}")).expect("the folder can be written");
+    fs::write(folder.join("drawn.s7dcl"), drawn).expect("the folder can be written");
+    let arguments = ["view", "lamps.stl", "drawn.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let pictures = fs::read_dir(folder.join("drawings")).into_iter().flatten().flatten();
+    let pictures: String = pictures.map(|file| fs::read_to_string(file.path()).expect("it is a text")).collect();
+    assert!(pictures.contains(">#one<"), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(pictures.contains(">#lamps[1]<"), "{pictures}");
+    assert_eq!(pictures.matches("text-anchor=\"middle\">&quot;Lamp&quot;<").count(), 2, "{pictures}");
+    // The output of the call in STL is at the right.
+    assert_eq!(pictures.matches("text-anchor=\"end\">lit<").count(), 2, "{pictures}");
+}
+
 /// The operand that is written has no `%` either.
 #[test]
 fn an_address_in_an_action_of_a_chart_is_drawn_as_elsewhere() {

@@ -18,7 +18,14 @@ impl Maker<'_> {
     /// `picture`: the network as LAD, with boxes of several statements.
     pub(super) fn stl(&self, number: usize, network: &ast::Network, picture: Option<Network>, scope: Scope) -> Section {
         let label = |operand: &ast::Operand| self.names.label(&self.words(operand.span), scope);
-        let rungs = sheet::stl::sheet(&network.statements, &label, &|block, formal| self.is_output(block, formal));
+        let is_output = |block: &str, formal: &str| match self.names.block_of_instance(block, scope) {
+            Some(of) => self.is_output(&of, formal),
+            None => self.is_output(block, formal),
+        };
+        let rungs = sheet::stl::sheet(&network.statements, &label, &is_output).map(|mut rungs| {
+            rungs.name_instances(self.names, scope);
+            rungs
+        });
         let drawn = match picture {
             Some(picture) if rungs.is_err() || sheet::network::has_cells(&picture) => {
                 self.boxes(&network.statements, picture, scope).ok_or(String::new()).or(rungs)
@@ -46,6 +53,7 @@ impl Maker<'_> {
         for element in &mut graph.elements {
             if let Target::Block { callee, .. } = &element.target {
                 let block = words(callee);
+                let block = self.names.block_of_instance(&block, scope).unwrap_or(block);
                 for pin in &mut element.pins {
                     pin.output |= pin.name != "en" && self.is_output(&block, &pin.name);
                 }

@@ -56,15 +56,7 @@ fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, la
     if language == Language::Fbd {
         sheet.negations_at_pins();
     }
-    // A call by its instance shows the block in the box, and the instance above it.
-    for part in &mut sheet.parts {
-        if let Look::Box { title, instance: instance @ None, .. } = &mut part.look
-            && let Some(block) = names.block_of_instance(title)
-        {
-            *instance = Some(names.label(title, scope));
-            *title = block;
-        }
-    }
+    sheet.name_instances(names, scope);
     sheet
 }
 
@@ -254,6 +246,18 @@ fn pin_name(element: &Element, name: &str) -> String {
 }
 
 impl Sheet {
+    /// A call by its instance shows the block in the box, and the instance above it.
+    pub fn name_instances(&mut self, names: &Names, scope: Scope) {
+        for part in &mut self.parts {
+            if let Look::Box { title, instance: instance @ None, .. } = &mut part.look
+                && let Some(block) = names.block_of_instance(title, scope)
+            {
+                *instance = Some(names.label(title, scope));
+                *title = block;
+            }
+        }
+    }
+
     /// FBD has no element for a negation: it is a circle at the pins that the net of a NOT leads to.
     fn negations_at_pins(&mut self) {
         for at in 0..self.parts.len() {
