@@ -270,3 +270,18 @@ fn branches_after_branches_have_columns_of_their_own() {
         .collect();
     assert_eq!(columns.len(), 2, "{columns:?}");
 }
+
+/// As PLCopen XML has them; a line would go into the box where it has no input.
+#[test]
+fn no_line_leads_from_the_rail_to_a_box_without_en() {
+    let counter = Part { flow_in: None, ..part(3, 1, None, None, None) };
+    let mut sheet = finished(vec![part(0, 0, Some(1), None, None), counter], 2);
+    let scene = ladder::draw(&mut sheet, 900);
+    check("LAD", &scene, &sheet);
+    let rail =
+        scene.items.iter().find_map(|item| if let Item::Rail { from, to } = item { Some((*from, *to)) } else { None });
+    let (top, bottom) = rail.expect("the contact is at the rail");
+    let is_lead = |item: &&Item| matches!(item, Item::Wire { from, .. } if from.0 == top.0);
+    assert_eq!(scene.items.iter().filter(is_lead).count(), 1, "only that of the contact");
+    assert_eq!(bottom.1 - top.1, 24, "the rail is not longer than its lines need");
+}

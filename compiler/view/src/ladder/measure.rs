@@ -183,7 +183,8 @@ impl<'a> Measure<'a> {
             width: shape.width,
             up: shape.up,
             down: shape.down,
-            loose: false,
+            // A box without EN.
+            loose: of.flow_in.is_none() && matches!(of.look, Look::Box { .. }),
             ends,
             kind: Kind::Part {
                 part: block.part,

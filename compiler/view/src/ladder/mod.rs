@@ -24,13 +24,8 @@ pub fn draw(sheet: &mut Sheet, width: i32) -> Scene {
     let widest = rungs.iter().map(|rung| rung.width).max().unwrap_or(0);
     let left = MARGIN + RAIL;
     let mut top = MARGIN;
-    let mut rail: Option<(i32, i32)> = None;
     for rung in &rungs {
         let y = top + rung.up;
-        if !rung.loose {
-            let first = rail.map_or(y - 12, |(first, _)| first);
-            rail = Some((first, y + rung.down.min(12)));
-        }
         painter.rung(rung, (left, y), widest);
         top = y + rung.down + GAP;
     }
@@ -40,16 +35,14 @@ pub fn draw(sheet: &mut Sheet, width: i32) -> Scene {
         sheet.nets.push(Net { sources: vec![Source::Rail], ..Net::default() });
         sheet.nets.extend(branches);
     }
-    if let Some((first, last)) = rail {
-        let last = scene
-            .items
-            .iter()
-            .filter_map(|item| match item {
-                Item::Wire { from, .. } if from.0 == MARGIN => Some(from.1 + 12),
-                _ => None,
-            })
-            .fold(last, i32::max);
-        scene.items.insert(0, Item::Rail { from: (MARGIN, first), to: (MARGIN, last) });
+    // The rail is where lines lead to it.
+    let lead = |item: &Item| match item {
+        Item::Wire { from, .. } if from.0 == MARGIN => Some(from.1),
+        _ => None,
+    };
+    let leads: Vec<i32> = scene.items.iter().filter_map(lead).collect();
+    if let (Some(first), Some(last)) = (leads.iter().min(), leads.iter().max()) {
+        scene.items.insert(0, Item::Rail { from: (MARGIN, first - 12), to: (MARGIN, last + 12) });
     }
     scene.width = left + widest + MARGIN;
     scene.height = top.max(2 * MARGIN);
