@@ -40,6 +40,15 @@ pub fn view(args: &ViewArgs) -> u8 {
     };
     report::messages(&mut drawn.bound.diagnostics, &drawn.bound.sources);
     let Drawn { book, names, bound, state, values } = drawn;
+    let code = match (unreadable, bound.has_errors()) {
+        (true, _) => exit::USAGE,
+        (false, true) => exit::COMPILE,
+        (false, false) => exit::OK,
+    };
+    // A page without a block would only hide what is wrong.
+    if book.pages.is_empty() && code != exit::OK {
+        return code;
+    }
     let folder = args.output.as_ref().map_or(Ok(0), |folder| write_folder(&book, folder, values.as_ref()));
     let html = args.html.as_ref().map_or(Ok(()), |path| {
         let reference = (!bound.has_errors()).then(|| drawings::reference(&bound));
@@ -57,11 +66,7 @@ pub fn view(args: &ViewArgs) -> u8 {
             return exit::USAGE;
         }
     }
-    match (unreadable, bound.has_errors()) {
-        (true, _) => exit::USAGE,
-        (false, true) => exit::COMPILE,
-        (false, false) => exit::OK,
-    }
+    code
 }
 
 /// A program with its pictures.

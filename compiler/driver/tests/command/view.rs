@@ -45,6 +45,23 @@ fn a_calculation_shows_its_formula() {
     }
 }
 
+#[test]
+fn no_page_is_written_of_what_could_not_be_read() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for project in ["a", "b"] {
+        fs::create_dir(folder.join(project)).expect("the folder can be written");
+        fs::write(folder.join(project).join("plc.toml"), "cpu = \"1214C\"\n").expect("the folder can be written");
+    }
+    for (input, code) in [("missing.scl", 2), (".", 3)] {
+        let arguments = ["view", input, "--html", "page.html", "-o", "drawings"];
+        let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+        assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(String::from_utf8_lossy(&output.stdout), "", "{input}");
+        assert!(!folder.join("page.html").exists() && !folder.join("drawings").exists(), "{input}");
+    }
+}
+
 /// In the box as if the instance were a data block.
 #[test]
 fn a_call_of_an_instance_in_the_block_shows_the_block() {
