@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plcc_abi::image::Profile;
+use plcc_abi::image::{Family, Profile};
 use plcc_diag::{SourceFile, SourceMap};
 use plcc_model::profile;
 use plcc_readers::ReadOptions;
@@ -97,19 +97,19 @@ fn settings(
     }
     let names_cpu =
         parsed.project.as_ref().is_some_and(|project| project.cpu.is_some()) || cpu_of_pragmas(parsed).is_some();
+    let named = args.cpu.as_deref().and_then(profile::lookup);
+    let cpu = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units));
     // Statement lists and charts of S7-GRAPH imply an S7-300, others a CPU of the TIA Portal.
     let of_portal = made.filter(|(to, _)| match to {
         ConvertTo::Stl | ConvertTo::Gr7 | ConvertTo::Awl | ConvertTo::Plcopen => false,
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Xml => true,
     });
-    if let Some((to, files)) = of_portal
-        && !names_cpu
-    {
-        let told = args.cpu.as_deref().and_then(profile::lookup);
-        let implied = || Some(plcc_program::implied_profile(&parsed.units));
-        if let Some(cpu) = told.or_else(|| implied().filter(|cpu| !keeps_rules(parsed, (to, files), cpu))) {
-            text = format!("cpu = \"{}\"\n{text}", cpu.name);
-        }
+    let implies_another = match of_portal {
+        Some(made) => named.is_some() || !keeps_rules(parsed, made, &cpu),
+        None => to == Some(ConvertTo::Stl) && cpu.family == Family::S71500,
+    };
+    if !names_cpu && implies_another {
+        text = format!("cpu = \"{}\"\n{text}", cpu.name);
     }
     Ok(text)
 }

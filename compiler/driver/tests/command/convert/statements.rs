@@ -187,6 +187,23 @@ fn networks_for_a_cpu_without_stl_are_for_another() {
     assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
 }
 
+/// Statements alone are those of an S7-300, so a folder of those for an S7-1500 names the CPU.
+#[test]
+fn folders_of_statements_name_their_cpu() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "ORGANIZATION_BLOCK \"Main\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_TEMP\n  w : Word;\n  u : UInt;\nEND_VAR\n\
+                  BEGIN\n  #w := 16#8001;\n  #w.%X1 := TRUE;\n  #u := 40000 + 1;\n  //@ assert #w == 16#8003\nEND_ORGANIZATION_BLOCK\n";
+    fs::create_dir(folder.join("plant")).expect("the folder can be written");
+    fs::write(folder.join("plant/main.scl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "plant", "--to", "stl", "--cpu", "s7-1500", "-o", "made/"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it was written");
+    assert_eq!(settings, "cpu = \"s7-1500\"\n");
+    let tested = plcc(folder, &["test", "made"]);
+    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+}
+
 #[test]
 fn scl_as_stl_does_the_same() {
     let folder = tempfile::tempdir().expect("a temporary folder");
