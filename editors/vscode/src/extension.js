@@ -38,7 +38,7 @@ async function activate(context) {
   const documents = LANGUAGES.map((language) => ({ scheme: "file", language }));
   client = new LanguageClient("plcc", "plcc", { command: plcc(), args: ["lsp"] }, {
     documentSelector: documents,
-    synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.{toml,sdf,asc,xml,xlsx,s7res}") },
+    synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.{stl,awl,scl,db,udt,s7dcl,gr7,toml,sdf,asc,xml,xlsx,s7res}") },
   });
   await client.start().catch((error) => {
     vscode.window.showErrorMessage(`plcc does not start; set plcc.path to the command: ${error.message ?? error}`);

@@ -47,6 +47,18 @@ test("files that the manifest names are there, and grammars compile", () => {
   }
 });
 
+test("each kind of source belongs to one language, and is seen when another program writes it", () => {
+  const root = path.join(__dirname, "..");
+  const { contributes } = JSON.parse(fs.readFileSync(path.join(root, "package.json"), "utf8"));
+  const extension = fs.readFileSync(path.join(root, "src", "extension.js"), "utf8");
+  const watched = /createFileSystemWatcher\("\*\*\/\*\.\{([^}]*)\}"\)/.exec(extension)[1].split(",");
+  for (const ending of ["stl", "awl", "scl", "db", "udt", "s7dcl", "gr7"]) {
+    const owners = contributes.languages.filter((language) => language.extensions.includes(`.${ending}`));
+    assert.strictEqual(owners.length, 1, ending);
+    assert.ok(watched.includes(ending), ending);
+  }
+});
+
 test("plcc reports as the explorer reads", { skip: process.env.PLCC ? false : "PLCC does not name the command" }, () => {
   const { execFileSync } = require("node:child_process");
   const folder = fs.mkdtempSync(path.join(require("node:os").tmpdir(), "plcc-vscode-"));
