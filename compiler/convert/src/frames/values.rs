@@ -137,7 +137,7 @@ impl Writer<'_> {
         let Some(list) = list else { return self.no_elements(value.span) };
         let runs = list.chunk_by(|a, b| a == b).map(|run| match run {
             [one] => one.clone(),
-            // Lists in lists are not repeated.
+            // Lists in lists are not repeated, nor are structures.
             several if several[0].starts_with(['[', '(']) => several.join(", "),
             several => format!("{}({})", several.len(), several[0]),
         });
@@ -249,6 +249,7 @@ fn default_text(ty: &TypeRef, is_stl: bool) -> Option<&'static str> {
     match &ty.kind {
         TypeKind::String(_) => Some("''"),
         TypeKind::WideString(_) if !is_stl => Some("WSTRING#''"),
+        TypeKind::Block(_) | TypeKind::Struct(_) if !is_stl => Some("()"),
         TypeKind::Named(word) => match elementary(word)? {
             Elementary::Bool => Some("FALSE"),
             Elementary::Byte if is_stl => Some("B#16#0"),

@@ -1,6 +1,7 @@
 //! Start values and instances.
 
 use std::fs;
+use std::path::Path;
 
 use super::{plcc, text};
 
@@ -41,6 +42,24 @@ END_ORGANIZATION_BLOCK
         let tested = plcc(folder, &["test", made, "--cpu", "s7-1500"]);
         let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
         assert!(found.contains("6 passed, 0 failed"), "{made}: {found}");
+    }
+}
+
+/// A structure in an array that has only the values of its type.
+#[test]
+fn arrays_of_structures_have_gaps() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../tests/run/scl/language/start_value_parentheses.scl")
+        .display()
+        .to_string();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for (from, to, made) in [(source.as_str(), "xml", "a.xml"), ("a.xml", "scl", "b.scl"), ("a.xml", "sd", "b.s7dcl")] {
+        let written = plcc(folder, &["convert", from, "--to", to, "-o", made]);
+        assert_eq!(written.status.code(), Some(0), "{made}: {}", text(&written.stderr));
+        let tested = plcc(folder, &["test", made]);
+        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(found.contains("13 passed, 0 failed"), "{made}: {found}");
     }
 }
 
