@@ -77,6 +77,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 stl::labels(statements, sources, &mut found);
                 stl::unreachable(statements, &mut found);
                 stl::values(statements, &program.numbers, sources, &mut found);
+                stl::set_and_reset(statements, sources, &mut found);
                 stl::edges(statements, sources, &mut found);
                 endless::jumps(statements, &mut found);
                 numbers::review(statements, &program.numbers, sources, &mut found);

@@ -1,6 +1,6 @@
 //! What has no effect in a block in STL: statements that never run, labels that no jump names, timers that start
-//! without a time, outputs that are assigned twice, edges that share their edge memory bit. A warning is given only
-//! where no path through the block makes the statement useful.
+//! without a time, outputs that are assigned twice, bits that are set and reset at once, edges that share their edge
+//! memory bit. A warning is given only where no path through the block makes the statement useful.
 
 use std::collections::HashMap;
 
@@ -178,7 +178,7 @@ pub fn edges(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<D
                 insn: StlInsn::EdgePositive | StlInsn::EdgeNegative,
                 operand: Operand::Memory { place, .. },
             } => {
-                let Some(bit) = edge_bit(place) else { continue };
+                let Some(bit) = fixed_bit(place) else { continue };
                 let Some(first) = first.insert(bit, statement.span) else { continue };
                 let text = format!("two edges share the edge memory bit `{}`", operand_text(statement.span, sources));
                 let message = Diagnostic::new(Code::EdgeBit, statement.span, text);
@@ -200,8 +200,36 @@ pub fn edges(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<D
     }
 }
 
+/// Reports a bit that one statement sets and the next one resets, or the other way round: between them the RLO is the same, so that
+/// the second one always undoes the first.
+pub fn set_and_reset(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
+    let written = |statement: &StlStatement| {
+        let StlStatementKind::Instruction { insn, operand: Operand::Memory { place, .. } } = &statement.kind else {
+            return None;
+        };
+        matches!(insn, StlInsn::Set | StlInsn::Reset).then_some((*insn, fixed_bit(place)?))
+    };
+    for pair in statements.windows(2) {
+        let [first, second] = pair else { continue };
+        let (Some((one, bit)), Some((other, same))) = (written(first), written(second)) else { continue };
+        if one == other || bit != same {
+            continue;
+        }
+        let name = operand_text(second.span, sources);
+        let (verb, done) = if other == StlInsn::Set { ("sets", "reset") } else { ("resets", "set") };
+        let text = format!("the same RLO sets and resets `{name}`; the second statement wins");
+        let message = Diagnostic::new(Code::DoubleCoil, second.span, text);
+        found.push(
+            message
+                .label(format!("{verb} what was just {done}"))
+                .also(first.span, "this has no effect")
+                .help("write the condition of its own before each of them"),
+        );
+    }
+}
+
 /// A bit whose place is the same wherever it is named.
-fn edge_bit(place: &Place) -> Option<(u8, u16, u32, u8)> {
+fn fixed_bit(place: &Place) -> Option<(u8, u16, u32, u8)> {
     match *place {
         Place::M { byte, bit } => Some((0, 0, byte, bit)),
         Place::Q { byte, bit } => Some((1, 0, byte, bit)),
