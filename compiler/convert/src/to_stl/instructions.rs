@@ -229,6 +229,12 @@ impl Maker<'_> {
         if as_it_is {
             return Some(operand);
         }
+        // The box would write a copy.
+        if pin.direction == Direction::InOut && !matches!(operand.kind, OperandKind::Literal(_)) {
+            let what = format!("a variable of {} that a box reads and writes as {}", from.name(), ty.name());
+            self.refuse(element.span, what, "use a variable of that type");
+            return None;
+        }
         if ty.bits() > 32 {
             let what = format!("a value of {} as {}", from.name(), ty.name());
             self.refuse(element.span, what, "copy it into a variable of that type first");
