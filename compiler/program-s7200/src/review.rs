@@ -1,5 +1,5 @@
-//! Warnings about statements that are valid but useless: outputs that are assigned twice, code that is never reached, local memory that is
-//! read before it is written, timers that do not wait.
+//! Warnings about statements that are valid but useless: outputs that are assigned twice, bits that are set and reset at once, code that is
+//! never reached, local memory that is read before it is written, timers that do not wait.
 //!
 //! A warning is given only where no path through the block makes the statement useful.
 
@@ -18,6 +18,7 @@ pub fn review(blocks: &[CodeBlock]) -> Vec<Diagnostic> {
     for block in blocks {
         if let Body::S7200(body) = &block.body {
             outputs(&body.statements, &mut found);
+            set_and_reset(&body.statements, &mut found);
             never_reached(&body.statements, &mut found);
             local_memory(body, blocks, &mut found);
             divisions(&body.statements, &mut found);
@@ -129,6 +130,38 @@ fn outputs(statements: &[Statement], found: &mut Vec<Diagnostic>) {
                 | Operand::AnalogOutput { .. } => {}
             }
         }
+    }
+}
+
+/// Bits that one statement sets and the next one resets, or the other way round: the top of the logic stack is the same for both.
+fn set_and_reset(statements: &[Statement], found: &mut Vec<Diagnostic>) {
+    let written = |statement: &Statement| {
+        let StatementKind::Instruction { insn: insn @ (Insn::Set | Insn::Reset), operands } = &statement.kind else {
+            return None;
+        };
+        // What special memory does, it may do between them.
+        let [bits @ Operand::Memory { area, .. }, count @ Operand::Const(_)] = operands.as_slice() else { return None };
+        (*area != Area::Sm).then(|| (*insn, bits.clone(), count.clone()))
+    };
+    for pair in statements.windows(2) {
+        let [first, second] = pair else { continue };
+        let (Some((one, bits, count)), Some((other, same, as_many))) = (written(first), written(second)) else {
+            continue;
+        };
+        if one == other || bits != same || count != as_many {
+            continue;
+        }
+        let (verb, done) = if other == Insn::Set { ("sets", "reset") } else { ("resets", "set") };
+        found.push(
+            Diagnostic::new(
+                Code::DoubleCoil,
+                second.span,
+                "the same bits are set and reset; the second statement wins",
+            )
+            .label(format!("{verb} what was just {done}"))
+            .also(first.span, "this has no effect")
+            .help("write its own contacts before each of them"),
+        );
     }
 }
 
