@@ -425,7 +425,9 @@ impl Declarations<'_> {
 
     /// STEP 7 creates the instance DB if a call names one that does not exist.
     fn generate_instances(&mut self) {
-        for call in self.instance_calls() {
+        let calls = self.instance_calls();
+        let unnamed = self.unnamed_instances(&calls);
+        for call in calls {
             let InstanceCall { target, target_span, instance, span } = call;
             if instance == 0
                 || self.globals.sources.data.contains_key(&instance)
@@ -453,6 +455,17 @@ impl Declarations<'_> {
             if !self.fits_with_others(typed.ty.bytes, span) {
                 return;
             }
+            if let Some((other, defined)) = unnamed.get(&key) {
+                let block = self.globals.shown(key);
+                self.report(
+                    Diagnostic::new(Code::DbMissing, span, format!("DB {instance} is not defined"))
+                        .label(format!("created for this call, with the start values of {block}"))
+                        .also(*defined, "no call names this instance of the same block")
+                        .help(format!(
+                            "write `DB {other}` if that is meant, or define DB {instance} as an instance, too"
+                        )),
+                );
+            }
             let kept = self.kept(&ast::Header::default(), &[], Some(key), &typed.ty);
             let block = DataBlock {
                 data_type: String::new(),
@@ -469,6 +482,20 @@ impl Declarations<'_> {
             };
             self.data.blocks.insert(instance, BoundDb { block, ty: typed.ty });
         }
+    }
+
+    /// The first instance of each block that a source defines and none of `calls` names.
+    fn unnamed_instances(&self, calls: &[InstanceCall]) -> FxHashMap<BlockKey, (u16, Span)> {
+        let named: FxHashSet<u16> = calls.iter().map(|call| call.instance).collect();
+        let mut unnamed: FxHashMap<BlockKey, (u16, Span)> = FxHashMap::default();
+        for (number, db) in &self.data.blocks {
+            let Some(key) = db.block.instance_of.filter(|_| !named.contains(number)) else { continue };
+            let first = unnamed.entry(key).or_insert((*number, db.block.span));
+            if *number < first.0 {
+                *first = (*number, db.block.span);
+            }
+        }
+        unnamed
     }
 
     /// Calls that name an instance DB: `CALL FB 1, DB 1`, `FB1.DB1(...)`.
