@@ -133,7 +133,7 @@ impl SclBinder<'_, '_> {
     /// Reports a call of a function that only other languages have; false: it is not such a call.
     pub(super) fn foreign_function(&mut self, ctx: &SclBlock, callee: &Node, given: &[Given]) -> bool {
         let NodeKind::Name(name) = &callee.kind else { return false };
-        if self.bit_function(ctx, name, given) {
+        if self.bit_function(ctx, name, given) || self.element_of_networks(ctx, name, given) {
             return true;
         }
         let known = |(names, _): &&(&[&str], &str)| names.iter().any(|own| own.eq_ignore_ascii_case(&name.text));
@@ -166,6 +166,34 @@ impl SclBinder<'_, '_> {
             "a form of other languages",
             &format!("write `{bit} := {value};`"),
         );
+        true
+    }
+
+    /// Reports `MOVE(IN := #a, OUT => #b)` and other elements of LAD and FBD whose pins say what SCL has in their place; false: another call.
+    fn element_of_networks(&mut self, ctx: &SclBlock, name: &Name, given: &[Given]) -> bool {
+        let pin = |wanted: &str| {
+            let is_pin =
+                |given: &&Given| given.name.as_ref().is_some_and(|name| name.text.eq_ignore_ascii_case(wanted));
+            let value = given.iter().find(is_pin)?.value.as_ref()?;
+            Some(self.program.globals.text(value.span))
+        };
+        let range = || Some((pin("MIN")?, pin("VAL")?, pin("MAX")?));
+        let written = match name.text.to_ascii_uppercase().as_str() {
+            "MOVE" => {
+                pin("OUT").or_else(|| pin("OUT1")).zip(pin("IN")).map(|(target, value)| format!("{target} := {value};"))
+            }
+            "IN_RANGE" => range().map(|(low, value, high)| format!("{low} <= {value} AND {value} <= {high}")),
+            "OUT_RANGE" => range().map(|(low, value, high)| format!("{value} < {low} OR {value} > {high}")),
+            "INC" => pin("IN_OUT").map(|count| format!("{count} := {count} + 1;")),
+            "DEC" => pin("IN_OUT").map(|count| format!("{count} := {count} - 1;")),
+            _ => None,
+        };
+        let Some(written) = written.filter(|_| name.form == NameForm::Bare && !self.may_be_of_program(ctx, name))
+        else {
+            return false;
+        };
+        let title = format!("`{}` is an instruction of LAD and FBD, not of text languages", name.text);
+        self.refuse(Code::NotShipped, name.span, &title, "an element of networks", &format!("write `{written}`"));
         true
     }
 
