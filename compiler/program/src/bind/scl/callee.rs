@@ -189,7 +189,14 @@ impl SclBinder<'_, '_> {
                 self.program.globals.report.missing_beside_type(&text, span);
                 None
             }
-            BlockPrefix::Ob | BlockPrefix::Vat => self.no_callee(span),
+            BlockPrefix::Ob => {
+                let text = self.program.globals.text(span);
+                let title = format!("`{text}` cannot be called");
+                let help = "write the statements that both need in a function, and call that";
+                self.refuse(Code::OperandKind, span, &title, "only the CPU calls organization blocks", help);
+                None
+            }
+            BlockPrefix::Vat => self.no_callee(span),
         }
     }
 
