@@ -114,6 +114,14 @@ impl Scan<'_> {
                     {
                         scl += usize::from(self.assigns(index));
                     }
+                    // `o = n;`, meant as an assignment: in STL `=` begins a statement.
+                    _ if self
+                        .tokens
+                        .get(index + 1)
+                        .is_some_and(|next| next.kind == RawKind::Equal && !next.first_on_line) =>
+                    {
+                        scl += 1;
+                    }
                     _ if self.kind(index + 1) != Some(RawKind::Colon) => {
                         let call = self.kind(index + 1) == Some(RawKind::LeftParen);
                         // `MCR(` is a mnemonic only with its parenthesis.
