@@ -19,6 +19,8 @@ function linkTo(text, block, name, network) {
   return `<a href="#" data-page="${i}"${k < 0 ? "" : ` data-sec="${k}"`}>${text}</a>`;
 }
 $("h1").textContent = data.title;
+// The symbol of a block, beside its number. A data type without a number has its name already: `UDT Recipe`.
+const symbolBeside = (p) => (p.id === p.name || p.id === `UDT ${p.name}` ? "" : p.name);
 
 // Code as coloured text.
 const WORDS = { scl: /^(IF|THEN|ELSIF|ELSE|END_IF|CASE|OF|END_CASE|FOR|TO|BY|DO|END_FOR|WHILE|END_WHILE|REPEAT|UNTIL|END_REPEAT|RETURN|EXIT|CONTINUE|GOTO|AND|OR|XOR|NOT|MOD|DIV|TRUE|FALSE|REGION|END_REGION|CALL)$/i };
@@ -75,7 +77,7 @@ function callers(i) {
 }
 function html(i) {
   const p = data.pages[i];
-  let h = `<div class="page"><h2>${esc(p.id)} ${p.name && p.name !== p.id ? esc(p.name) : ""} <small>${p.lang} ${esc(p.title)}</small></h2>`;
+  let h = `<div class="page"><h2>${esc(p.id)} ${esc(symbolBeside(p))} <small>${p.lang} ${esc(p.title)}</small></h2>`;
   if (p.comment) h += `<div class="comment">${esc(p.comment)}</div>`;
   h += `<div class="reason callers">${callers(i)}</div>`;
   if (p.rows.length) {
@@ -142,7 +144,7 @@ function show(text) {
       inner += `<a class="hit" href="#" data-page="${i}" data-sec="${k}">${s.n ? "Network " + s.n + ": " : ""}${esc(plain(s).slice(Math.max(0, at - 12), at + 40))}</a>`;
     });
     if (query && p.rows.some((r) => (r[1] + " " + r[4]).toLowerCase().includes(query))) inner += `<a class="hit" href="#" data-page="${i}">in its declarations</a>`;
-    if (own || inner) h += `<a href="#" data-page="${i}" title="${esc(p.title)}"><b>${esc(p.id)}</b>${esc(p.name === p.id ? "" : p.name)}<i>${p.lang}</i></a>${inner}`;
+    if (own || inner) h += `<a href="#" data-page="${i}" title="${esc(p.title)}"><b>${esc(p.id)}</b>${esc(symbolBeside(p))}<i>${p.lang}</i></a>${inner}`;
   });
   list.innerHTML = h || "<h4>nothing found</h4>";
 }
