@@ -8,8 +8,8 @@ use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CompletionParams, DiagnosticRelatedInformation,
     DiagnosticSeverity, DocumentFormattingParams, DocumentHighlight, DocumentHighlightParams, DocumentSymbolParams,
     FoldingRangeParams, GotoDefinitionParams, Hover, HoverContents, HoverParams, Location, MarkupContent, MarkupKind,
-    NumberOrString, Position, ReferenceParams, RenameParams, SemanticTokens, SemanticTokensParams, SignatureHelpParams,
-    TextDocumentPositionParams, TextEdit, Uri, WorkspaceEdit,
+    NumberOrString, Position, PrepareRenameResponse, ReferenceParams, RenameParams, SemanticTokens,
+    SemanticTokensParams, SignatureHelpParams, TextDocumentPositionParams, TextEdit, Uri, WorkspaceEdit,
 };
 use plcc_diag::{Diagnostic, FileId, Severity, SourceMap, Span};
 use serde::Serialize;
@@ -19,7 +19,7 @@ use serde_json::Value;
 use crate::index::Index;
 use crate::server::hint;
 use crate::text::{self, Lines};
-use crate::words::Words;
+use crate::words::{Words, bare};
 use crate::{Checked, complete, fixes, go, hover, names, outline, s7200};
 
 /// A file of a program.
@@ -161,6 +161,7 @@ fn result<'c>(method: &str, params: Value, view: &impl Fn(&Path) -> Option<View<
             let RenameParams { text_document_position, new_name, .. } = read(params)?;
             rename(view, text_document_position, &new_name)
         }
+        "textDocument/prepareRename" => prepare(view, read(params)?),
         "textDocument/completion" => {
             let CompletionParams { text_document_position, .. } = read(params)?;
             at(view, text_document_position, |view, words, byte| {
@@ -245,6 +246,37 @@ fn at<'c, T: Serialize>(
 ) -> Answer {
     let made = |view: &View<'c>| made(view, &view.words(view.file), text::byte(view.text(), place.position));
     whole(view, &place.text_document.uri, made)
+}
+
+/// A name that nothing has, to find out whether something can have another one.
+const OTHER: &str = "_0";
+
+/// The name at a place that would change, or why it cannot.
+fn prepare<'c>(view: &impl Fn(&Path) -> Option<View<'c>>, place: TextDocumentPositionParams) -> Answer {
+    let failed = |why: String| (ErrorCode::RequestFailed, why);
+    let view = view(&path_of(&place.text_document.uri)?).ok_or_else(|| failed("the file is not known".to_owned()))?;
+    let words = view.words(view.file);
+    let byte = text::byte(view.text(), place.position);
+    let (placeholder, edits) = match view.s7200(byte) {
+        Some((found, names)) => {
+            let name = bare(view.checked.sources.text(found.span)).to_owned();
+            (name, names.rename(&found.named, OTHER))
+        }
+        None => {
+            let index = Index::new(view.checked);
+            let asked = go::asked(&index, &words, view.file, byte);
+            let (wanted, name) = asked.ok_or_else(|| failed("this has no name".to_owned()))?;
+            (name, go::rename(&index, &view.texts(), &wanted, OTHER))
+        }
+    };
+    let edits = edits.map_err(failed)?;
+    let mut own = edits.iter().filter(|(span, _)| span.file == view.file).map(|(span, _)| span.range());
+    // `S002` stays when step 2 gets another name.
+    let word = || words.at(byte).map(|at| words.range(at));
+    let range = own.find(|range| range.start <= byte && byte <= range.end).or_else(word);
+    let range = range.ok_or_else(|| failed("this has no name".to_owned()))?;
+    let range = Lines::new(view.text()).range(range);
+    write(PrepareRenameResponse::RangeWithPlaceholder { range, placeholder })
 }
 
 #[allow(clippy::mutable_key_type, reason = "the map of a workspace edit has URIs as keys")]

@@ -9,9 +9,9 @@ use crossbeam_channel::{Receiver, Sender, after, never, select, unbounded};
 use lsp_server::{Connection, Message, Notification, Request};
 use lsp_types::{
     CodeActionProviderCapability, CompletionOptions, DidChangeTextDocumentParams, DidCloseTextDocumentParams,
-    DidOpenTextDocumentParams, HoverProviderCapability, OneOf, PublishDiagnosticsParams, SemanticTokensFullOptions,
-    SemanticTokensLegend, SemanticTokensOptions, ServerCapabilities, SignatureHelpOptions, TextDocumentIdentifier,
-    TextDocumentSyncCapability, TextDocumentSyncKind,
+    DidOpenTextDocumentParams, HoverProviderCapability, OneOf, PublishDiagnosticsParams, RenameOptions,
+    SemanticTokensFullOptions, SemanticTokensLegend, SemanticTokensOptions, ServerCapabilities, SignatureHelpOptions,
+    TextDocumentIdentifier, TextDocumentSyncCapability, TextDocumentSyncKind, WorkDoneProgressOptions,
 };
 use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
@@ -29,8 +29,10 @@ const QUICK: Duration = Duration::from_millis(20);
 /// Stack of the thread that binds, in bytes: nesting in a source is recursion.
 const STACK_BYTES: usize = 256 << 20;
 
-/// What the server can do.
-pub fn capabilities() -> ServerCapabilities {
+/// What the server can do. `prepares`: the editor asks what would be renamed before it asks for the new name.
+fn capabilities(prepares: bool) -> ServerCapabilities {
+    let rename =
+        RenameOptions { prepare_provider: Some(true), work_done_progress_options: WorkDoneProgressOptions::default() };
     let words = |words: &[&str]| Some(words.iter().map(|word| (*word).to_owned()).collect());
     ServerCapabilities {
         text_document_sync: Some(TextDocumentSyncCapability::Kind(TextDocumentSyncKind::INCREMENTAL)),
@@ -38,7 +40,7 @@ pub fn capabilities() -> ServerCapabilities {
         definition_provider: Some(OneOf::Left(true)),
         references_provider: Some(OneOf::Left(true)),
         document_highlight_provider: Some(OneOf::Left(true)),
-        rename_provider: Some(OneOf::Left(true)),
+        rename_provider: Some(if prepares { OneOf::Right(rename) } else { OneOf::Left(true) }),
         document_symbol_provider: Some(OneOf::Left(true)),
         document_formatting_provider: Some(OneOf::Left(true)),
         folding_range_provider: Some(true.into()),
@@ -65,8 +67,11 @@ pub fn capabilities() -> ServerCapabilities {
 
 /// Serves an editor until it says that it ends. `Err`: what went wrong with the connection.
 pub fn serve(connection: &Connection, host: Arc<dyn Host>) -> Result<(), String> {
-    let capabilities = serde_json::to_value(capabilities()).map_err(|error| error.to_string())?;
-    connection.initialize(capabilities).map_err(|error| error.to_string())?;
+    let (id, editor) = connection.initialize_start().map_err(|error| error.to_string())?;
+    let prepares = editor.pointer("/capabilities/textDocument/rename/prepareSupport");
+    let capabilities = capabilities(prepares == Some(&serde_json::Value::Bool(true)));
+    let answer = serde_json::json!({ "capabilities": capabilities });
+    connection.initialize_finish(id, answer).map_err(|error| error.to_string())?;
     let (sender, results) = unbounded();
     let mut server = Server {
         host,
@@ -260,7 +265,8 @@ impl Server {
     /// Waits for the first check of a program whose other files a request is about: until then only open files are known, and a name
     /// would be changed in some of its places. Another name also waits for what was typed since, in tables and settings too.
     fn await_program(&mut self, request: &Request, results: &Receiver<Finished>) {
-        const OF_PROGRAM: [&str; 6] = ["hover", "definition", "references", "rename", "completion", "signatureHelp"];
+        const OF_PROGRAM: [&str; 7] =
+            ["hover", "definition", "references", "prepareRename", "rename", "completion", "signatureHelp"];
         let is_of_program = request.method.strip_prefix("textDocument/").is_some_and(|name| OF_PROGRAM.contains(&name));
         let document = request.params.get("textDocument").filter(|_| is_of_program);
         let document = document.and_then(|one| serde_json::from_value::<TextDocumentIdentifier>(one.clone()).ok());

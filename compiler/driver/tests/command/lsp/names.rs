@@ -189,6 +189,26 @@ fn a_tag_may_have_the_name_of_a_type() {
     assert_eq!(found, ["main.scl:10", "main.scl:7", "main.scl:9", "tags.xml:3"]);
 }
 
+/// All of a name in quotes, and not only the word under the cursor; what has no other name says so before one is typed.
+#[test]
+fn an_editor_is_told_what_would_be_renamed() {
+    let mut editor = Editor::new("tags");
+    editor.open("main.scl");
+    assert_eq!(editor.messages("main.scl"), Vec::<String>::new());
+    for (piece, name) in [("\"up & do|wn\"", "\"up & down\""), ("  o|ld : Bool", "old")] {
+        let found = editor.at("textDocument/prepareRename", "main.scl", piece);
+        assert_eq!(found["range"], editor.range("main.scl", name), "{found}");
+        assert_eq!(found["placeholder"], json!(name.trim_matches('"')));
+    }
+    let params = editor.position("main.scl", "N|OT #all");
+    assert!(editor.ask_or("textDocument/prepareRename", params).is_err());
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.messages("main.stl");
+    let params = editor.position("main.stl", "level := M|W 10");
+    assert!(editor.ask_or("textDocument/prepareRename", params).expect_err("an address").contains("only names"));
+}
+
 #[test]
 fn a_table_in_xml_writes_some_signs_of_a_name_in_another_way() {
     let mut editor = Editor::new("tags");
