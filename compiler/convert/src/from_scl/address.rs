@@ -13,6 +13,9 @@ use super::Maker;
 /// Strips the area of a pointer.
 const ADDRESS_MASK: u32 = 0x00FF_FFFF;
 
+/// The most texts in temporary data whose heads are written one by one.
+const TEXTS_MAX: usize = 32;
+
 /// What is to be done before AR1 is used.
 #[derive(Clone)]
 pub struct Through {
@@ -324,6 +327,31 @@ impl Maker<'_> {
         let root = PathRoot::Local { name: name.to_string(), span: self.span };
         let path = Path { root, parts: Vec::new(), span: self.span };
         self.push(StlInsn::Load, Some(Operand { kind: OperandKind::AddressOf(path), span: self.span }));
+    }
+
+    /// The heads of texts in temporary data: in SCL they are empty when a block begins, in STL they are what was there before.
+    pub fn begin_texts(&mut self) {
+        let body = self.body;
+        if body.temporary_texts.len() > TEXTS_MAX {
+            let what = format!("{} texts in temporary data", body.temporary_texts.len());
+            return self.refuse(self.tree.name.span(), what, "declare them outside of the temporary data");
+        }
+        for text in &body.temporary_texts {
+            let found = self.block.interface.temporaries.iter().rfind(|one| one.byte <= text.byte);
+            let Some((name, start)) = found.map(|one| (one.name.clone(), one.byte)) else { continue };
+            self.load_address_of(&name);
+            self.add_constant(i64::from(text.byte - start) * 8);
+            self.push(StlInsn::LoadAr1, None);
+            // The maximum, then the length.
+            let (head, width) = match text.wide {
+                true => (Literal::Dword(u32::from(text.maximum) << 16), Width::Dword),
+                false => (Literal::Word(text.maximum << 8), Width::Word),
+            };
+            let there = OperandKind::RegisterIndirect { area: None, width, register: AddressRegister::Ar1, offset: 0 };
+            for (insn, kind) in [(StlInsn::Load, OperandKind::Literal(head)), (StlInsn::Transfer, there)] {
+                self.push(insn, Some(Operand { kind, span: self.span }));
+            }
+        }
     }
 
     /// The instance begins where AR2 points.

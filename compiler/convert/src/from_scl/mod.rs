@@ -279,6 +279,7 @@ impl<'a> Maker<'a> {
                 Direction::Input | Direction::Output | Direction::InOut => {}
             }
         }
+        self.begin_texts();
         if uses.flag {
             let flag = self.kept(Elementary::Bool, "ok");
             self.push(StlInsn::SetRlo, None);

@@ -8,7 +8,7 @@
 //! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`, `choices`.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names, `library`: and of blocks.
-//! - `operand`: operands of networks as operands of STL; `constants`: constants of blocks.
+//! - `operand`: operands of networks as operands of STL; `constants`: constants of blocks; `texts`: temporary texts.
 //! - [`types`]: types of operands, where a box does not name its own.
 //!
 //! Source: LAD/FBD reference, chapter F.
@@ -29,6 +29,7 @@ mod moves;
 mod operand;
 pub(crate) mod plan;
 mod shifts;
+mod texts;
 pub mod types;
 pub mod values;
 
@@ -96,6 +97,7 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
             maker.refuse(variable.name_span, "an array of instances", "declare the instances one by one");
         }
     }
+    maker.begin_texts();
     let mut networks: Vec<ast::Network> = body.networks.iter().map(|network| maker.network(network)).collect();
     if maker.sets_br && !keeps_br && block.kind != CodeKind::Ob {
         // ENO of the block, which its boxes used for theirs.

@@ -18,6 +18,9 @@ use crate::xml::system;
 /// The parameters of a call of an instruction that supplies those with the given names; none: STL has no such call.
 pub type FindInstruction = fn(&str, &[&str]) -> Option<Vec<InstructionPin>>;
 
+/// The depth to which data types are looked into.
+const DEPTH_MAX: usize = 16;
+
 /// What the sources of a program declare.
 #[derive(Default)]
 pub struct Types<'a> {
@@ -207,6 +210,26 @@ impl<'a> Types<'a> {
     /// Whether a name is that of a data block.
     pub fn is_data(&self, name: &BlockName) -> bool {
         self.data.contains_key(&key(name))
+    }
+
+    /// Whether variables of a type contain texts.
+    pub fn has_texts(&self, ty: &TypeRef) -> bool {
+        self.has_texts_within(ty, DEPTH_MAX)
+    }
+
+    /// `depth`: how many types inside of each other are looked at. A type may contain itself by mistake.
+    fn has_texts_within(&self, ty: &TypeRef, depth: usize) -> bool {
+        let Some(depth) = depth.checked_sub(1) else { return false };
+        let any = |members: &[Variable]| members.iter().any(|member| self.has_texts_within(&member.ty, depth));
+        let of_name = |name: &str| self.types.get(name).is_some_and(|members| any(members));
+        match &ty.kind {
+            TypeKind::String(_) | TypeKind::WideString(_) => true,
+            TypeKind::Array { element, .. } => self.has_texts_within(element, depth),
+            TypeKind::Struct(members) => any(members),
+            TypeKind::Named(name) => of_name(&name.to_lowercase()),
+            TypeKind::Block(name) => of_name(&key(name)),
+            TypeKind::OpenArray { .. } | TypeKind::Reference(_) | TypeKind::Error => false,
+        }
     }
 
     /// Whether elements of an array are instances, which STL does not have.
