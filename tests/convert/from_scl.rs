@@ -125,8 +125,12 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 3] =
-        ["language/parts_of_variables_tia", "language/small_and_unsigned_tia", "library/instances_as_lists_tia"];
+    const SOURCES: [&str; 4] = [
+        "language/parts_of_variables_tia",
+        "language/small_and_unsigned_tia",
+        "language/text_assignments_tia",
+        "library/instances_as_lists_tia",
+    ];
     for name in SOURCES {
         let path = tests_folder().join(format!("run/scl/{name}.scl"));
         let made =

@@ -11,10 +11,14 @@ use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 use super::address::Target;
+use super::control::text_of;
 use crate::to_stl::library::is_block;
 
 /// Blocks of the library with higher numbers have them from plcc.
 const SYSTEM_NUMBER_MAX: u16 = 999;
+
+/// Characters of a STRING without a length.
+const TEXT_MAX: u8 = 254;
 
 /// What an output of the call is copied to after it.
 struct Back<'m> {
@@ -297,6 +301,16 @@ impl Maker<'_> {
                     conversion: *back,
                 });
                 Some(from)
+            }
+            // The function gets the text itself; a function block would get a copy that ends with its own length.
+            Actual::Complex(Complex::Const(bytes))
+                if callee.kind == BlockKind::Fc
+                    && !callee.library
+                    && formal.ty == DataType::String(TEXT_MAX)
+                    && self.program.profile.family == Family::S71500 =>
+            {
+                let Some(text) = text_of(bytes) else { return self.no_actual(argument.span) };
+                Some(Operand { kind: OperandKind::Literal(Literal::Text(text)), span: self.span })
             }
             Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {
                 if !self.is_direct(access) || matches!(formal.ty, DataType::OpenArray(_)) {
