@@ -262,7 +262,12 @@ impl<'a> Classifier<'a, '_> {
             .take_while(|at| self.raw_at(*at).is_some_and(|token| !token.first_on_line))
             .find(|at| matches!(self.kind_at(*at), Some(RawKind::Assign | RawKind::Equal)))
             .filter(|sign| !self.ends_before(sign + 1))?;
-        let span = self.span_of(first.start as usize, self.raw[sign - 1].end as usize);
+        // `MW 2 += 1` and `Q 0.0; = Q 0.1` are something else.
+        let before = self.raw_at(sign - 1)?;
+        if !matches!(before.kind, RawKind::Word | RawKind::Quoted | RawKind::Number | RawKind::Real) {
+            return None;
+        }
+        let span = self.span_of(first.start as usize, before.end as usize);
         let (target, value) = (&self.text[span.range()], self.rest_of_statement(sign + 1));
         let [and, assign, load, transfer] =
             [StlInsn::And, StlInsn::Assign, StlInsn::Load, StlInsn::Transfer].map(|insn| insn.mnemonic(self.set));
@@ -397,6 +402,9 @@ impl<'a> Classifier<'a, '_> {
         };
         match (sign, next) {
             ("#", Some(_)) if !adjacent => comment(rest),
+            ("#", Some(name)) if let Some(help) = self.counted(*name, rest) => {
+                Some(("a statement begins with an instruction".to_owned(), "a form of other languages", help))
+            }
             ("#", Some(name)) => {
                 let (left, right) = rest.split_once('=')?;
                 let (left, right) = (left.trim_end(), right.trim());
@@ -422,6 +430,24 @@ impl<'a> Classifier<'a, '_> {
             )),
             _ => None,
         }
+    }
+
+    /// `#o += 1`, `#o =+ 1`, `#o++`: what to write for the statement that begins with `name`, whose text is `rest`.
+    fn counted(&self, name: RawToken, rest: &str) -> Option<String> {
+        let name = self.slice(name);
+        let change = rest.strip_prefix(name)?.trim();
+        let (sign, value) = match change {
+            "++" => ("+", "1"),
+            "--" => ("-", "1"),
+            _ => {
+                let signs = [("+=", "+"), ("=+", "+"), ("-=", "-"), ("*=", "*"), ("/=", "/")];
+                signs.iter().find_map(|(sign, meant)| Some((*meant, change.strip_prefix(sign)?.trim())))?
+            }
+        };
+        let (load, transfer) = (StlInsn::Load.mnemonic(self.set), StlInsn::Transfer.mnemonic(self.set));
+        let calculation = format!("`{sign}I` for INT, `{sign}D` for DINT or `{sign}R` for REAL");
+        (!value.is_empty())
+            .then(|| format!("write `{load} #{name}`, `{load} {value}`, {calculation}, and `{transfer} #{name}`"))
     }
 
     /// `L #a + #b`: what to write for the sign at the current token, if an operand is before and after it.
