@@ -29,7 +29,7 @@ const EXPONENT: u32 = 0x7F80_0000;
 /// All of a REAL but its sign.
 const AMOUNT: u32 = 0x7FFF_FFFF;
 /// It makes unsigned numbers of 32 bits signed ones in the same order.
-const SIGN: u32 = 0x8000_0000;
+pub const SIGN: u32 = 0x8000_0000;
 
 impl Maker<'_> {
     /// A comparison as a value.
@@ -165,7 +165,7 @@ impl Maker<'_> {
         Some(Logic::Compare { loads, insn: way.insns[0] })
     }
 
-    fn bits(&self, value: u32) -> Operand {
+    pub fn bits(&self, value: u32) -> Operand {
         Operand { kind: OperandKind::Literal(Literal::Dword(value)), span: self.span }
     }
 }

@@ -10,11 +10,16 @@ use plcc_syntax::{Class, Elementary};
 
 use super::Maker;
 use super::boxes::Check;
+use super::compare::SIGN;
 use super::plan::Plan;
 use super::values::width_of;
 
 /// BLKMOV.
 const BLOCK_MOVE: u32 = 20;
+/// The last TIME_OF_DAY.
+const LAST_MILLISECOND: u32 = 86_399_999;
+/// The last DATE, in days since 1990.
+const LAST_DAY: u32 = 65_378;
 
 impl Maker<'_> {
     pub fn move_box(&mut self, graph: &Graph, plan: &Plan, at: usize) {
@@ -35,6 +40,7 @@ impl Maker<'_> {
         let known = known.or_else(|| given.into_iter().chain(targets.iter().map(|pin| &pin.value)).find_map(width_of));
         let Some(first) = known else { return self.unknown_type(element) };
         let mut moves = Vec::new();
+        let mut limits = Vec::new();
         for (pin, of_target) in targets.iter().zip(&of_targets) {
             if moves.iter().any(|(_, name, _): &(_, String, _)| *name == pin.name) {
                 continue;
@@ -46,12 +52,19 @@ impl Maker<'_> {
                 return self.refuse(element.span, format!("a MOVE of {}", to.name()), help);
             }
             let Some((operand, found)) = self.source(graph, at, "in", from) else { return };
+            limits.extend(greatest(found, to).map(|limit| (operand.clone(), limit)));
             let mut load = vec![(StlInsn::Load, Some(operand))];
             let Some(extension) = self.extension(found, to, pin) else { return };
             load.extend(extension);
             moves.push((load, pin.name.clone(), to));
         }
-        self.boxed(graph, plan, at, Check::Never, |maker| {
+        let watches = !limits.is_empty() && self.saves_eno(graph, plan, at);
+        let bit = watches.then(|| self.temporary(Elementary::Bool));
+        let check = bit.clone().map_or(Check::Never, Check::Bit);
+        self.boxed(graph, plan, at, check, |maker| {
+            if let Some(bit) = &bit {
+                maker.note_above(&limits, bit);
+            }
             let mut loaded = None;
             for (load, name, to) in moves {
                 if loaded.as_ref() != Some(&load) {
@@ -61,6 +74,21 @@ impl Maker<'_> {
                 maker.store_pin(graph, plan, at, &name, to);
             }
         });
+    }
+
+    /// A bit becomes 1 if one of the values is above its limit, both unsigned.
+    fn note_above(&mut self, limits: &[(Operand, u32)], bit: &Operand) {
+        for (number, (operand, limit)) in limits.iter().enumerate() {
+            let (sign, limit) = (self.bits(SIGN), self.bits(limit ^ SIGN));
+            self.push(StlInsn::Load, Some(operand.clone()));
+            self.push(StlInsn::XorD, Some(sign));
+            self.push(StlInsn::Load, Some(limit));
+            self.push(StlInsn::CompareGtD, None);
+            if number > 0 {
+                self.push(StlInsn::Or, Some(bit.clone()));
+            }
+            self.push(StlInsn::Assign, Some(bit.clone()));
+        }
     }
 
     /// Instructions that make a loaded value one of another type: a narrower type gets the low bytes, a wider one zeros, or the sign
@@ -154,6 +182,18 @@ impl Maker<'_> {
             actual: Some(actual),
         });
         ast::Call { target: self.name_of(name), types: Vec::new(), instance: None, parameters: parameters.collect() }
+    }
+}
+
+/// The greatest bit pattern with which ENO of a MOVE between types of one size is 1; none: with all.
+fn greatest(from: Elementary, to: Elementary) -> Option<u32> {
+    use Elementary::{Date, Dint, Int, Time, TimeOfDay, Udint, Uint};
+    match (from, to) {
+        (Dint | Udint | Time, TimeOfDay) => Some(LAST_MILLISECOND),
+        (Udint, Time) | (Time, Udint) => Some(i32::MAX.cast_unsigned()),
+        (Uint, Date) => Some(LAST_DAY),
+        (Int, Date) | (Date, Int) => Some(0x7FFF),
+        _ => None,
     }
 }
 
