@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{Block, BlockName, CodeKind, DataContent, SourceUnit, TypeKind, TypeRef, Variable};
+use plcc_syntax::ast::{Block, BlockName, CodeKind, DataContent, SourceUnit, TypeKind, TypeRef};
 
 /// Words that are types of the system, whatever a program declares.
 const SYSTEM: [&str; 13] = [
@@ -58,39 +58,39 @@ impl OwnTypes {
 
     /// Makes the words that name such a type names of blocks.
     pub fn settle(&self, unit: &mut SourceUnit) {
+        each_type(unit, &mut |ty| self.ty(ty, 0));
         for block in &mut unit.blocks {
-            match block {
-                Block::Code(block) => {
-                    block.sections.iter_mut().for_each(|section| self.variables(&mut section.variables));
-                    block
-                        .constants
-                        .iter_mut()
-                        .filter_map(|constant| constant.ty.as_mut())
-                        .for_each(|ty| self.ty(ty, 0));
-                    block.return_type.iter_mut().for_each(|ty| self.ty(ty, 0));
-                }
-                Block::Data(block) => {
-                    match &mut block.content {
-                        DataContent::Struct(members) => self.variables(members),
-                        DataContent::OfType(ty) | DataContent::Array(ty, _) => self.ty(ty, 0),
-                        DataContent::Empty => {}
-                    }
-                    if let DataContent::OfType(ty) = &block.content
-                        && matches!(ty.kind, TypeKind::Array { .. })
-                    {
-                        block.content = DataContent::Array(ty.clone(), None);
-                    }
-                }
-                Block::Type(block) => {
-                    self.variables(&mut block.members);
-                    block.alias.iter_mut().for_each(|ty| self.ty(ty, 0));
-                }
+            if let Block::Data(block) = block
+                && let DataContent::OfType(ty) = &block.content
+                && matches!(ty.kind, TypeKind::Array { .. })
+            {
+                block.content = DataContent::Array(ty.clone(), None);
             }
         }
     }
 
-    fn variables(&self, variables: &mut [Variable]) {
-        variables.iter_mut().for_each(|variable| self.ty(&mut variable.ty, 0));
+    /// Makes names in quotes that are those of the system words, `DATA_BLOCK "T" "TON_TIME"`, unless the program declares such a type.
+    pub fn unquote(&self, unit: &mut SourceUnit, is_of_system: &dyn Fn(&str) -> bool) {
+        each_type(unit, &mut |ty| self.word(ty, is_of_system));
+    }
+
+    fn word(&self, ty: &mut TypeRef, is_of_system: &dyn Fn(&str) -> bool) {
+        match &mut ty.kind {
+            TypeKind::Block(BlockName::Symbol { name, .. }) => {
+                let word = name.to_uppercase();
+                if !self.names.contains_key(&word) && is_of_system(&word) {
+                    ty.kind = TypeKind::Named(word);
+                }
+            }
+            TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.word(element, is_of_system),
+            TypeKind::Struct(members) => members.iter_mut().for_each(|member| self.word(&mut member.ty, is_of_system)),
+            TypeKind::Block(BlockName::Numbered { .. })
+            | TypeKind::Named(_)
+            | TypeKind::Reference(_)
+            | TypeKind::String(_)
+            | TypeKind::WideString(_)
+            | TypeKind::Error => {}
+        }
     }
 
     /// `depth`: how often it was another name of a type.
@@ -104,7 +104,7 @@ impl OwnTypes {
             }
             TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. } => self.ty(element, depth),
             TypeKind::Reference(target) => self.ty(target, depth),
-            TypeKind::Struct(members) => self.variables(members),
+            TypeKind::Struct(members) => members.iter_mut().for_each(|member| self.ty(&mut member.ty, 0)),
             TypeKind::String(_) | TypeKind::WideString(_) | TypeKind::Block(_) | TypeKind::Error => {}
         }
         if depth < DEPTH_MAX
@@ -113,6 +113,29 @@ impl OwnTypes {
         {
             ty.kind = kind.clone();
             self.ty(ty, depth + 1);
+        }
+    }
+}
+
+/// All types in the declarations of a source.
+fn each_type(unit: &mut SourceUnit, visit: &mut dyn FnMut(&mut TypeRef)) {
+    for block in &mut unit.blocks {
+        match block {
+            Block::Code(block) => {
+                let variables = block.sections.iter_mut().flat_map(|section| &mut section.variables);
+                variables.for_each(|variable| visit(&mut variable.ty));
+                block.constants.iter_mut().filter_map(|constant| constant.ty.as_mut()).for_each(&mut *visit);
+                block.return_type.iter_mut().for_each(&mut *visit);
+            }
+            Block::Data(block) => match &mut block.content {
+                DataContent::Struct(members) => members.iter_mut().for_each(|member| visit(&mut member.ty)),
+                DataContent::OfType(ty) | DataContent::Array(ty, _) => visit(ty),
+                DataContent::Empty => {}
+            },
+            Block::Type(block) => {
+                block.members.iter_mut().for_each(|member| visit(&mut member.ty));
+                block.alias.iter_mut().for_each(&mut *visit);
+            }
         }
     }
 }

@@ -38,6 +38,7 @@ use crate::writer::{Notation, Writer};
 use declare::Declarer;
 pub use program::Unit;
 use program::{Learned, Program, is_globals};
+pub use system::has_type;
 use tasks::Task;
 
 /// The bodies are written again until their names are settled, but not more often than this.

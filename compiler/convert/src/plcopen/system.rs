@@ -62,6 +62,11 @@ pub fn of_data_type(word: &str, call: &'static str) -> Option<&'static str> {
     }
 }
 
+/// Whether a type is one of the system with a counterpart.
+pub fn has_type(word: &str) -> bool {
+    block(word).is_some() || ["TON", "CTU"].into_iter().any(|call| of_data_type(word, call).is_some())
+}
+
 /// The element of PLCopen XML for an elementary type.
 pub fn type_element(ty: Elementary) -> Option<&'static str> {
     Some(match ty {

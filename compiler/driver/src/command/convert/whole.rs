@@ -1,5 +1,6 @@
 //! `plcc convert --to plcopen`: a whole program as one document.
 
+use plcc_convert::own_types::OwnTypes;
 use plcc_convert::plcopen::{self, Settings, Unit};
 use plcc_convert::to_stl::types::Types;
 use plcc_convert::{to_graph, with_pragmas};
@@ -71,6 +72,8 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     if notes.iter().any(Diagnostic::is_error) {
         return (String::new(), notes);
     }
+    let own_types = OwnTypes::new(parsed.units.iter().map(|(_, unit)| unit));
+    drawn.iter_mut().for_each(|unit| own_types.unquote(unit, &plcopen::has_type));
     // Comments of exports are not in their overlays.
     let exported: Vec<Option<Remarks>> = parsed.units.iter().map(|(id, one)| exported(one, parsed, *id)).collect();
     for (((id, _), drawn), _) in parsed.units.iter().zip(&mut drawn).zip(&exported).filter(|(_, found)| found.is_some())

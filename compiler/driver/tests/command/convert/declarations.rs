@@ -84,3 +84,32 @@ END_DATA_BLOCK
     }
     assert!(!document.contains("InstanceOfType"), "{document}");
 }
+
+/// Such data blocks are instances of the blocks of IEC 61131-3 that are called with them.
+#[test]
+fn data_of_timers_become_function_blocks_of_projects() {
+    const SCL: &str = r#"//@ cpu s7-1500
+DATA_BLOCK "Delay" "TON_TIME"
+BEGIN
+END_DATA_BLOCK
+DATA_BLOCK "Pause" "IEC_TIMER"
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK "Main"
+VERSION : 0.1
+BEGIN
+  "Delay".TON(IN := TRUE, PT := T#1h);
+  "Pause".TP(IN := TRUE, PT := T#1h);
+  //@ assert "Delay".Q == 0
+  //@ assert "Pause".Q == 1
+END_ORGANIZATION_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
+    let written = plcc(folder, &["convert", "a.scl", "--to", "plcopen", "-o", "a.xml"]);
+    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    let tested = plcc(folder, &["test", "a.xml"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("2 passed, 0 failed"), "{found}");
+}
