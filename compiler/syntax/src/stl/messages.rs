@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic};
 
+use crate::Elementary;
 use crate::front::{ParseState, Place};
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, form_help, forms, mnemonics, start_values, suggest};
@@ -377,6 +378,9 @@ fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanne
     {
         return told;
     }
+    if let Some(help) = before.zip(at).and_then(|(before, at)| without_colon(state, before, at)) {
+        return message(state, at, before, Code::DeclarationSyntax, "declaration").help(help);
+    }
     let help = match before.map(|(_, token, _)| token) {
         Some(Tok::Name(_)) if !matches!(at, Some((_, Tok::Colon, _))) => {
             "write `:` between name and data type, e.g. `speed : INT;`"
@@ -386,6 +390,22 @@ fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanne
         _ => "write `name : type := value;`, e.g. `speed : INT := 5;`",
     };
     message(state, at, before, Code::DeclarationSyntax, "declaration").help(help)
+}
+
+/// `speed INT`, `INT speed`: the help.
+fn without_colon(state: &State, before: &Spanned, at: &Spanned) -> Option<String> {
+    let ((start, Tok::Name(_), end), (at_start, Tok::Name(_), at_end)) = (before, at) else { return None };
+    let index = state.index_of(*start);
+    let follows_colon = index.checked_sub(1).is_some_and(|colon| matches!(state.tokens[colon].1, Tok::Colon));
+    let (first, second) = (&state.text[*start..*end], &state.text[*at_start..*at_end]);
+    let is_type = |word: &str| Elementary::from_word(&word.to_ascii_uppercase()).is_some();
+    let (name, ty) = match (is_type(first), is_type(second)) {
+        _ if follows_colon => return None,
+        (false, true) => (first, second),
+        (true, false) => (second, first),
+        (false, false) | (true, true) => return None,
+    };
+    Some(format!("write `{name} : {ty}`"))
 }
 
 /// `ARRAY[10]`, `ARRAY[1-10]`, `STRING(20)`.

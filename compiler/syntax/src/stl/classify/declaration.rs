@@ -349,6 +349,7 @@ impl<'a> Classifier<'a, '_> {
             }
             RawKind::Hash => self.at += 1,
             RawKind::LeftParen if self.begins_structure() => self.take(Tok::Values),
+            RawKind::Equal if self.equal_for_colon(token) => {}
             RawKind::Equal => self.equal_for_assign(),
             kind => match sign(kind) {
                 Some(tok) => self.take(tok),
@@ -531,6 +532,28 @@ impl<'a> Classifier<'a, '_> {
         let start = if count == 1 { letters_end } else { number.start as usize };
         self.push(start, Tok::Address(value), number.end as usize);
         self.at += count;
+        true
+    }
+
+    /// Reports `=` between a name and its data type and reads it as `:`; false: it is something else.
+    fn equal_for_colon(&mut self, token: RawToken) -> bool {
+        let [.., (_, before, _), (start, Tok::Name(name), _)] = self.out.as_slice() else { return false };
+        let is_first = !matches!(before, Tok::Colon | Tok::Of | Tok::Assign);
+        let (ty, name, start) = (self.upper(self.at + 1), *name, *start);
+        if !is_first || Elementary::from_word(ty.as_str()).is_none() {
+            return false;
+        }
+        let ty = ty.as_str();
+        self.report(
+            Diagnostic::new(
+                Code::DeclarationSyntax,
+                self.span_of(start, token.end as usize),
+                format!("`:` stands between `{name}` and its type, not `=`"),
+            )
+            .label("read as `:`")
+            .help(format!("write `{name} : {ty}`")),
+        );
+        self.take(Tok::Colon);
         true
     }
 
