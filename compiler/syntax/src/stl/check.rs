@@ -128,6 +128,10 @@ pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Opera
             Some(block) => {
                 format!("write `CALL {}, {shown}`: the block comes before its data", &text[block.span.range()])
             }
+            None if matches!(form(&target.kind), Form::Block(BlockPrefix::Ob)) => {
+                "the CPU itself calls the organization blocks: put what several blocks do into an FC, and call that"
+                    .to_owned()
+            }
             None => "write e.g. `CALL FC 1` or `CALL FB 1, DB 1`".to_owned(),
         };
         return Some(

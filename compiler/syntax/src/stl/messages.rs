@@ -333,6 +333,10 @@ fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>
 fn parameter_help(state: &State, at: &Spanned, before: &Spanned) -> Option<String> {
     let text = |(start, _, end): &Spanned| state.text.get(*start..*end).unwrap_or_default();
     let (word, last) = (text(at).to_ascii_uppercase(), text(before));
+    if word == ":" && matches!(before.1, Tok::Name(_)) {
+        let operand = state.text.get(at.2..)?.split([',', ')', ';', '\n']).next().unwrap_or_default().trim();
+        return Some(format!("write `{last} := {operand}`"));
+    }
     if last.eq_ignore_ascii_case("NOT") {
         return Some(
             "a parameter has one operand: write the negated bit with `NOT` and `=` before the call".to_owned(),

@@ -163,6 +163,12 @@ impl StlBinder<'_, '_> {
                 DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_),
                 Settled::Literal(_),
             ) => message.help(format!("store the value in a variable of type {wanted} and pass that variable")),
+            (DataType::Parameter(ParameterType::Timer), _) => {
+                message.help("name a timer such as `T 5`, or a parameter of type TIMER")
+            }
+            (DataType::Parameter(ParameterType::Counter), _) => {
+                message.help("name a counter by its number, or a parameter of type COUNTER")
+            }
             _ => message.help(format!("name a variable of type {wanted}")),
         });
         None
