@@ -47,8 +47,24 @@ pub fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
     Wrong { title, help }
 }
 
-/// Other words for values.
-const MEANT: [(&str, &str); 7] = [
+/// Other words for keys and values.
+const MEANT: [(&str, &str); 23] = [
+    ("at", "time"),
+    ("wait", "time"),
+    ("after", "time"),
+    ("force", "set"),
+    ("write", "set"),
+    ("check", "expect"),
+    ("assert", "expect"),
+    ("watch", "print"),
+    ("host", "modbus"),
+    ("ip", "modbus"),
+    ("address", "modbus"),
+    ("slave", "unit"),
+    ("slave_id", "unit"),
+    ("interval", "poll"),
+    ("map", "data"),
+    ("address", "at"),
     ("german", "de"),
     ("deutsch", "de"),
     ("english", "en"),

@@ -41,6 +41,17 @@ fn numbers_have_no_zeros_before_them() {
 }
 
 #[test]
+fn words_of_other_tools_are_known() {
+    let moment = "expected one of `cycle`, `time`, `set`, `expect`";
+    same(&format!("unknown field `force`, {moment}"), "", "`force` is not a key here", "write `set`");
+    same(&format!("unknown field `check`, {moment}"), "", "`check` is not a key here", "write `expect`");
+    let device = "expected one of `modbus`, `unit`, `data`";
+    same(&format!("unknown field `address`, {device}"), "", "`address` is not a key here", "write `modbus`");
+    let data = "expected one of `at`, `coils`";
+    same(&format!("unknown field `address`, {data}"), "", "`address` is not a key here", "write `at`");
+}
+
+#[test]
 fn headings_of_texts_become_keys() {
     let text = "name = \"a\"\n[cpu]\n# which\ntype = \"315-2 DP\"\n";
     let wrong = plain_at("invalid type: map, expected a string", text, 11);
