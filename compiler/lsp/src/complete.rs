@@ -15,7 +15,7 @@ use crate::constants::{self, Constant};
 use crate::facts::same;
 use crate::index::{Declared, Entry, Index};
 use crate::labels;
-use crate::names::{Meaning, along, callee_around, open_bracket, part_before};
+use crate::names::{Meaning, along, callee_around, open_bracket, part_before, values_before};
 use crate::network;
 use crate::role::in_rung;
 use crate::words::{Words, bare, is_name};
@@ -50,7 +50,12 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             };
             return part.components().iter().map(row).collect();
         }
-        return members_before(index, words, file, first - 1).into_iter().map(|one| variable(index, one)).collect();
+        let members = members_before(index, words, file, first - 1);
+        if members.is_empty() {
+            let values = values_before(index, words, file, first - 1).unwrap_or_default();
+            return values.iter().map(|one| item(&one.name, CompletionItemKind::FIELD, &one.ty)).collect();
+        }
+        return members.into_iter().map(|one| variable(index, one)).collect();
     }
     if before == "#" || written.starts_with('#') || words.word(first) == "#" && words.range(first).end == byte {
         return locals(index, entry);

@@ -36,6 +36,8 @@ pub struct ParameterFacts {
 pub struct DataFacts {
     pub name: String,
     pub number: u16,
+    /// Of an instance: the key of its block, `SFB 4`.
+    pub instance_of: String,
     pub members: Vec<Value>,
 }
 
@@ -47,6 +49,8 @@ pub struct Value {
     pub byte: u32,
     pub bit: u8,
     pub bits: u32,
+    /// Of an instance: the key of its block, `SFB 4`.
+    pub instance_of: String,
     pub members: Vec<Value>,
 }
 
@@ -77,6 +81,7 @@ impl Facts {
         let data = program.dbs.iter().map(|db| DataFacts {
             name: db.name.clone(),
             number: db.number,
+            instance_of: db.instance_of.map(|block| block.to_string()).unwrap_or_default(),
             members: values(&db.members, DEPTH_MAX),
         });
         Facts { blocks: blocks.collect(), data: data.collect() }
@@ -106,12 +111,20 @@ fn values(members: &[Member], depth: usize) -> Vec<Value> {
         byte: member.byte,
         bit: member.bit,
         bits: layout::used_bits(&member.ty),
+        instance_of: match &member.ty {
+            DataType::Struct(of) => of.instance_of.map(instance_key).unwrap_or_default(),
+            _ => String::new(),
+        },
         members: match &member.ty {
             DataType::Struct(of) if depth > 0 => values(&of.members, depth - 1),
             _ => Vec::new(),
         },
     };
     members.iter().map(value).collect()
+}
+
+fn instance_key((is_system, number): (bool, u16)) -> String {
+    format!("{} {number}", if is_system { "SFB" } else { "FB" })
 }
 
 /// The value at the end of a path of names, with its byte in what contains all.

@@ -9,14 +9,15 @@ use crate::address::{self, Address};
 use crate::constants::Constant;
 use crate::facts;
 use crate::index::{Entry, Index};
-use crate::names::{Callee, Meaning, meaning, part_before};
+use crate::names::{Callee, Meaning, meaning, part_before, values_before};
 use crate::network;
-use crate::words::Words;
+use crate::words::{Words, bare};
 
 /// Markdown about a piece.
 pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<String> {
     let Some(found) = meaning(index, words, file, at) else {
-        return component(index, words, file, at).or_else(|| network::hover(words, at));
+        let found = component(index, words, file, at).or_else(|| value(index, words, file, at));
+        return found.or_else(|| network::hover(words, at));
     };
     match found {
         Meaning::Variable { declared: (direction, variable), path, owner } => {
@@ -158,6 +159,14 @@ fn component(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
     let part = part_before(index, words, file, point)?;
     let found = part.components().iter().find(|one| facts::same(one.name, words.word(at)))?;
     Some(format!("{}{}\n", code(&format!("{}.{} : {}", part.name(), found.name, found.ty)), found.doc))
+}
+
+/// `t.Q` of an instance of a library block.
+fn value(index: &Index, words: &Words, file: FileId, at: usize) -> Option<String> {
+    let point = at.checked_sub(1).filter(|point| words.word(*point) == ".")?;
+    let mut values = values_before(index, words, file, point)?.iter();
+    let found = values.find(|one| facts::same(&one.name, bare(words.word(at))))?;
+    Some(code(&format!("{} : {}", found.name, found.ty)))
 }
 
 /// What the table says about a mnemonic.

@@ -8,7 +8,7 @@ use plcc_syntax::symbols::{Symbol, SymbolTarget};
 use crate::address::{self, Address};
 use crate::chart;
 use crate::constants::{self, Constant};
-use crate::facts::{BlockFacts, same};
+use crate::facts::{self, BlockFacts, DataFacts, Value, same};
 use crate::index::{Declared, Entry, Index, numbered};
 use crate::labels::{self, Label};
 use crate::role::{self, Role};
@@ -163,6 +163,44 @@ pub fn part_before<'c>(index: &Index<'c>, words: &Words, file: FileId, point: us
         return None;
     };
     Some(part)
+}
+
+/// The values in what is before the point at a piece, as binding found them: those in an instance of a library block, too.
+pub fn values_before<'c>(index: &Index<'c>, words: &Words, file: FileId, point: usize) -> Option<&'c [Value]> {
+    let owner = words.before_indices(point.checked_sub(1)?)?;
+    let (first, names) = words.path(owner);
+    let entry = index.around(file, words.range(owner).start);
+    match along(index, entry, &names, words.word(first).starts_with('#'))? {
+        Meaning::Variable { path, owner, .. } => Some(&value_of(index, owner?, &path)?.members),
+        Meaning::Block(entry) => Some(&data_facts(index, entry)?.members),
+        Meaning::Library(_)
+        | Meaning::Symbol(_)
+        | Meaning::Constant(_)
+        | Meaning::Label(_)
+        | Meaning::Chart(_)
+        | Meaning::Address(_)
+        | Meaning::Word(_) => None,
+    }
+}
+
+/// What binding found out about a variable that a path leads to from a block.
+fn value_of<'c>(index: &Index<'c>, owner: Entry<'c>, path: &[String]) -> Option<&'c Value> {
+    let names: Vec<&str> = path.iter().map(String::as_str).collect();
+    let found = match data_facts(index, owner) {
+        Some(db) => facts::find(&db.members, &names).or_else(|| facts::find(&db.members, names.get(1..)?)),
+        None => facts::find(&index.checked.facts.block(&owner.text())?.instance, &names),
+    };
+    found.map(|(value, _)| value)
+}
+
+fn data_facts<'c>(index: &Index<'c>, entry: Entry<'c>) -> Option<&'c DataFacts> {
+    let (key, facts) = (entry.text(), &index.checked.facts);
+    if entry.is_data() { facts.db(&key.replace(' ', "")).or_else(|| facts.db(&key)) } else { None }
+}
+
+/// The block of the library with a key, `SFB 4`.
+fn library<'c>(index: &Index<'c>, key: &str) -> Option<Callee<'c>> {
+    index.checked.facts.blocks.iter().find(|block| block.key == key).map(Callee::Library)
 }
 
 /// The meaning of a path of names that begins in a block.
@@ -372,19 +410,27 @@ fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> O
     }
     let (first, names) = words.path(at);
     let local = words.word(first).starts_with('#');
-    match along(index, index.around(file, words.range(at).start), &names, local)? {
+    // `#t.TON( … )` of a timer whose type is that of several blocks. In a network it is an element, whose pins have names of their own.
+    let instruction = || match &names[..] {
+        [_, .., last] if words.language(at) == Language::Scl => index.checked.facts.block(last).map(Meaning::Library),
+        [..] => None,
+    };
+    let found = along(index, index.around(file, words.range(at).start), &names, local);
+    match found.or_else(instruction)? {
         Meaning::Block(entry) => Some(called(index, entry)),
         Meaning::Library(facts) => Some(Callee::Library(facts)),
         Meaning::Symbol(symbol) => match symbol.target {
-            SymbolTarget::Block { prefix, number } => {
-                let key = format!("{} {number}", prefix.letters());
-                index.checked.facts.blocks.iter().find(|block| block.key == key).map(Callee::Library)
-            }
+            SymbolTarget::Block { prefix, number } => library(index, &format!("{} {number}", prefix.letters())),
             SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => None,
         },
-        Meaning::Variable { declared, .. } => {
+        Meaning::Variable { declared, path, owner } => {
             if let Some(entry) = index.block_of(&declared.1.ty) {
                 return Some(called(index, entry));
+            }
+            // The type has another name than the block: `TON_TIME`.
+            let value = owner.and_then(|owner| value_of(index, owner, &path));
+            if let Some(block) = value.and_then(|value| library(index, &value.instance_of)) {
+                return Some(block);
             }
             let mut ty = &declared.1.ty;
             while let TypeKind::Array { element, .. } = &ty.kind {
@@ -408,6 +454,9 @@ fn called<'c>(index: &Index<'c>, entry: Entry<'c>) -> Callee<'c> {
         let ty = index.type_text(ty);
         if let Some(facts) = index.checked.facts.block(bare(&ty)) {
             return Callee::Library(facts);
+        }
+        if let Some(block) = data_facts(index, entry).and_then(|db| library(index, &db.instance_of)) {
+            return block;
         }
     }
     Callee::Source(entry)

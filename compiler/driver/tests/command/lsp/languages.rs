@@ -239,6 +239,27 @@ fn outlines_have_the_networks_of_all_languages() {
     }
 }
 
+/// Of types that only the library knows, also those that have another name than their block.
+#[test]
+fn values_and_parameters_of_timers_are_known() {
+    let mut editor = Editor::new("tags");
+    editor.open("main.scl");
+    editor.messages("main.scl");
+    let found = editor.at("textDocument/completion", "main.scl", ":= #t.|Q");
+    for name in ["IN", "PT", "Q", "ET"] {
+        assert!(labels(&found).contains(&name), "{name} is not in {found}");
+    }
+    let found = editor.at("textDocument/hover", "main.scl", ":= #t.|Q");
+    assert!(found["contents"]["value"].as_str().is_some_and(|text| text.contains("Q : BOOL")), "{found}");
+    for piece in ["#t(IN := TRUE, P|T", "#t.TON(IN := #done, P|T"] {
+        let found = editor.at("textDocument/signatureHelp", "main.scl", piece);
+        let label = found["signatures"][0]["label"].as_str().unwrap_or_default();
+        assert!(label.starts_with("TON(IN : BOOL IN, PT : TIME IN"), "{piece}: {found}");
+    }
+    let found = editor.at("textDocument/completion", "main.scl", "#t(IN := TRUE, |PT");
+    assert!(labels(&found).contains(&"ET") && !labels(&found).contains(&"IN"), "{found}");
+}
+
 #[test]
 fn types_are_proposed_in_declarations() {
     for (folder, file, piece, wanted, other) in [
