@@ -12,6 +12,9 @@ use super::plan::Plan;
 /// The longest field that becomes statements.
 const FIELD_MAX: i64 = 256;
 
+/// The first and the last index of a dimension.
+type Bounds = (i64, i64);
+
 impl Maker<'_> {
     pub fn bit_field(&mut self, graph: &Graph, plan: &Plan, at: usize, set: bool) {
         let element = &graph.elements[at];

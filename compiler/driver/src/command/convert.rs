@@ -112,7 +112,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     let mut files = Vec::new();
     let told = companions::cpu_of_pragmas(&parsed).filter(|name| profile::lookup(name).is_some());
     let program = match messages.is_empty() && has_scl_for_stl(to, &parsed) {
-        true => match bound(args, &parsed, told.or_else(|| cpu_for_stl(&parsed))) {
+        true => match bound(args, &parsed, cpu_for_stl(&parsed)) {
             Ok(bound) => Some(bound.program),
             Err(code) => return code,
         },
@@ -307,13 +307,18 @@ fn cpu_for_stl(parsed: &pipeline::Parsed) -> Option<&'static str> {
     (implied.family == Family::S71200).then_some("s7-300")
 }
 
-/// The program of the sources, for the CPU `default` if neither the command line nor the project names one; an exit code after messages.
-fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -> Result<pipeline::Bound, u8> {
+/// How the sources are bound: for the CPU of the command line, of the project or of a pragma; else for `default`.
+fn binding(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -> pipeline::Settings {
     let has_cpu = parsed.project.as_ref().is_some_and(|project| project.cpu.is_some());
-    let default = default.filter(|_| !has_cpu).map(str::to_string);
+    let told = companions::cpu_of_pragmas(parsed).filter(|name| profile::lookup(name).is_some());
+    let named = told.or(default).filter(|_| !has_cpu).map(str::to_string);
     let plain_charts = args.to == Some(ConvertTo::Stl);
-    let cpu = args.cpu.clone().or(default);
-    let settings = pipeline::Settings { cpu, plain_charts, ..pipeline::Settings::default() };
+    pipeline::Settings { cpu: args.cpu.clone().or(named), plain_charts, ..pipeline::Settings::default() }
+}
+
+/// The program of the sources; an exit code after messages. `default`: see [`binding`].
+fn bound(args: &ConvertArgs, parsed: &pipeline::Parsed, default: Option<&str>) -> Result<pipeline::Bound, u8> {
+    let settings = binding(args, parsed, default);
     let mut bound = pipeline::front(inputs::read_as(&args.inputs, args.code_page), &settings);
     if !bound.has_errors() {
         return Ok(bound);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use plcc_convert::addresses::{self, Edit, To, names::Names};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 
-use super::{Converted, bound, companions, store};
+use super::{Converted, binding, bound, companions, store};
 use crate::cli::{ConvertArgs, Level};
 use crate::command::exit;
 use crate::{inputs, pipeline, report};
@@ -85,7 +85,7 @@ fn settle(
     before: &pipeline::Bound,
     edits: &mut Edits,
 ) -> Result<Vec<Diagnostic>, u8> {
-    let settings = pipeline::Settings { cpu: args.cpu.clone(), ..pipeline::Settings::default() };
+    let settings = binding(args, parsed, None);
     let mut stays = Vec::new();
     loop {
         let texts: BTreeMap<PathBuf, String> = edits

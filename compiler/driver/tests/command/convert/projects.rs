@@ -52,6 +52,28 @@ fn projects_without_a_cpu_stay_without_one() {
     }
 }
 
+/// `//@ cpu` names the CPU for conversions that bind the program, too: an S7-300 has no data for any timer.
+#[test]
+fn pragmas_name_the_cpu_of_a_project() {
+    const SCL: &str = r#"//@ cpu s7-1500
+DATA_BLOCK "Pause" IEC_TIMER
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK "Main"
+VERSION : 0.1
+BEGIN
+  "Pause".TP(IN := TRUE, PT := T#1h);
+END_ORGANIZATION_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
+    for arguments in [["--to", "plcopen", "-o", "a.xml"].as_slice(), &["--absolute", "-o", "b.scl"]] {
+        let made = plcc(folder, &[&["convert", "a.scl"][..], arguments].concat());
+        assert_eq!(made.status.code(), Some(0), "{arguments:?}: {}", text(&made.stderr));
+    }
+}
+
 /// Comments in the ST of charts stay when these become GRAPH.
 #[test]
 fn comments_of_charts_of_projects_stay() {
