@@ -149,9 +149,8 @@ pub fn check(place: Option<Span>, profile: &Profile) -> Option<Diagnostic> {
 
 impl Reader {
     fn number(&mut self, key: &Spanned<i64>, range: RangeInclusive<i64>, what: &str) -> Option<u8> {
-        number_within(key, range, what)
-            .map_err(|title| self.report(key, title, "docs/plc-toml.md lists the keys and their values"))
-            .ok()
+        let help = format!("write a number from {} to {}", range.start(), range.end());
+        number_within(key, range, what).map_err(|title| self.report(key, title, &help)).ok()
     }
 
     fn config(&mut self, keys: &S7200Keys) -> S7200Config {

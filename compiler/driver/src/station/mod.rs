@@ -161,9 +161,8 @@ impl Reader {
         range: std::ops::RangeInclusive<i64>,
         what: &str,
     ) -> Option<T> {
-        crate::project::number_within(key, range, what)
-            .map_err(|title| self.report(key.span(), title, "docs/plc-toml.md lists the keys and their values"))
-            .ok()
+        let help = format!("write a number from {} to {}", range.start(), range.end());
+        crate::project::number_within(key, range, what).map_err(|title| self.report(key.span(), title, help)).ok()
     }
 
     /// A module with its default addresses.
