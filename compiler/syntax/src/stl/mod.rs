@@ -39,6 +39,7 @@ use crate::front::{self, CommentForm, ParseState, Place};
 pub use instructions::{Mnemonics, OperandClass, StlInsn};
 pub use messages::operand_phrase;
 pub use mnemonics::letters;
+pub use operand_help::value_of_function;
 
 /// Whether `word` is a mnemonic of either set, CALL included.
 pub fn is_mnemonic(word: &str) -> bool {

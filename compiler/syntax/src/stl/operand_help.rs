@@ -28,6 +28,10 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             let open = StlInsn::OpenDb.mnemonic(set);
             Some(format!("write `{written} {shown}.DBW 0` for a word of it, `{open} {shown}` to open it"))
         }
+        (
+            OperandClass::LoadSource | OperandClass::TransferTarget,
+            OperandKind::Block(BlockName::Numbered { prefix: BlockPrefix::Fc | BlockPrefix::Sfc, .. }),
+        ) => Some(value_of_function(insn.operand()).to_owned()),
         (OperandClass::TransferTarget, OperandKind::Cell { kind: CellKind::Counter, .. }) => {
             Some(format!("write `S {shown}`, which sets the counter to the value in ACCU1"))
         }
@@ -74,6 +78,14 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             Some(format!("write `{load} {shown}` on the line before, and here `{written}R`"))
         }
         _ => None,
+    }
+}
+
+/// How STL has the value of a function, for an instruction that names the function.
+pub fn value_of_function(class: OperandClass) -> &'static str {
+    match class {
+        OperandClass::TransferTarget => "inside of a function its value is `#RET_VAL`",
+        _ => "call the function with `RET_VAL := …`, and load the variable that is named there",
     }
 }
 

@@ -242,6 +242,14 @@ impl Declarations<'_> {
         if let Some(other) = similar(name, locals.chain(constants).chain(own)) {
             return format!("is `#{other}` meant?");
         }
+        let is_function = kind_prefix(ctx.key.kind) == BlockPrefix::Fc;
+        let number = fold(name).strip_prefix("fc").and_then(|number| number.parse::<u16>().ok());
+        if is_function && result && number == Some(ctx.key.number) {
+            return "the value of the function is `#RET_VAL`".to_owned();
+        }
+        if is_function && !result && fold(name) == "ret_val" {
+            return "this function has no value: write its type after its name in place of VOID".to_owned();
+        }
         match self.globals.names.symbols.get(&fold(name)) {
             Some(global)
                 if kind_prefix(ctx.key.kind) == BlockPrefix::Fc

@@ -4,7 +4,7 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{self, AddressRegister, Area, BlockPrefix, CellKind, SpecialRegister, Width};
 use plcc_syntax::literal::Literal;
-use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
+use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn, value_of_function};
 use plcc_syntax::{Class, Elementary};
 
 use crate::bind::declarations::block::CurrentBlock;
@@ -185,6 +185,9 @@ impl StlBinder<'_, '_> {
         let writes_bit =
             matches!(class, OperandClass::BitWrite | OperandClass::BitWriteOrCounter | OperandClass::BitWriteOrCell);
         match settled {
+            Settled::Block { prefix: BlockPrefix::Fc | BlockPrefix::Sfc, .. } if is_value => {
+                Some(value_of_function(class).to_owned())
+            }
             Settled::Memory { width: Width::Bit, .. } => match class {
                 OperandClass::LoadSource => {
                     Some(format!("write `{} {text}` to read the bit", StlInsn::And.mnemonic(set)))
