@@ -184,7 +184,7 @@ fn networks_as_statements_do_the_same() {
 /// Files of which every block becomes STL that has no network in SCL, whose meaning only a bound program tells.
 #[test]
 fn whole_files_are_converted() {
-    const FILES: [&str; 28] = [
+    const FILES: [&str; 29] = [
         "addresses_take_the_type",
         "bit_fields",
         "boxes/boxes_315_2dp",
@@ -194,6 +194,7 @@ fn whole_files_are_converted() {
         "boxes/computed_in_steps",
         "boxes/demux_by_number",
         "boxes/moves_of_all_types",
+        "boxes/moves_of_bits",
         "boxes/moves_out_of_range",
         "boxes/rotations_and_inversions",
         "boxes/rounding_out_of_range",

@@ -4,7 +4,7 @@ use plcc_syntax::ast::{
     self, BlockName, BlockPrefix, Operand, OperandKind, Parameter, StatementKind, TypeKind, TypeRef,
 };
 use plcc_syntax::literal::Literal;
-use plcc_syntax::network::ast::{Element, Graph, Pin, PinValue};
+use plcc_syntax::network::ast::{Element, Graph, Pin, PinValue, Storage};
 use plcc_syntax::stl::StlInsn;
 use plcc_syntax::{Class, Elementary};
 
@@ -39,6 +39,10 @@ impl Maker<'_> {
         let known = own.or_else(|| of_targets.iter().flatten().next().copied());
         let known = known.or_else(|| given.into_iter().chain(targets.iter().map(|pin| &pin.value)).find_map(width_of));
         let Some(first) = known else { return self.unknown_type(element) };
+        let all_bits = own.iter().chain(of_targets.iter().flatten()).all(|ty| *ty == Elementary::Bool);
+        if first == Elementary::Bool && all_bits {
+            return self.move_bit(graph, plan, at, &targets);
+        }
         let mut moves = Vec::new();
         let mut limits = Vec::new();
         for (pin, of_target) in targets.iter().zip(&of_targets) {
@@ -73,6 +77,28 @@ impl Maker<'_> {
                 }
                 maker.store_pin(graph, plan, at, &name, to);
             }
+        });
+    }
+
+    /// A BOOL to variables.
+    fn move_bit(&mut self, graph: &Graph, plan: &Plan, at: usize, targets: &[&Pin]) {
+        let mut operands = Vec::new();
+        for pin in targets {
+            match &pin.value {
+                PinValue::Operand(target) if !pin.negated && pin.storage == Storage::None => {
+                    let Some(operand) = self.operand(target) else { return };
+                    operands.push(operand);
+                }
+                PinValue::Net(net) if !plan.is_used(*net) => {}
+                PinValue::Operand(_) | PinValue::Net(_) | PinValue::Open => {
+                    return self.refuse(pin.span, "a MOVE of BOOL to a wire", "connect a variable");
+                }
+            }
+        }
+        let value = self.input(graph, plan, at, "in");
+        self.boxed(graph, plan, at, Check::Never, |maker| {
+            maker.evaluate(&value);
+            operands.into_iter().for_each(|operand| maker.push(StlInsn::Assign, Some(operand)));
         });
     }
 
