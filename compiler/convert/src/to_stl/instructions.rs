@@ -6,14 +6,16 @@ use std::collections::HashMap;
 
 use plcc_model::{Direction, InstructionPin, InstructionType};
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{self, CallType, Operand, OperandKind, Parameter, Path, PathRoot, StatementKind};
+use plcc_syntax::ast::{
+    self, BlockName, BlockPrefix, CallType, Operand, OperandKind, Parameter, Path, PathRoot, StatementKind,
+};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::network::ast::{Element, Eno, Graph, Pin, PinValue, Storage, TemplateKey};
 use plcc_syntax::network::elements::{Kind, PinDirection, Row};
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
-use super::library::pins_of_block;
+use super::library::{pins_of_block, system_function};
 use super::logic::Logic;
 use super::plan::Plan;
 use super::types::elementary;
@@ -25,6 +27,8 @@ pub struct Instruction {
     pins: Vec<InstructionPin>,
     /// It is a block of the library, which may leave BR as it is.
     is_block: bool,
+    /// The number of the system function of an S7-300, which is called by it.
+    number: Option<u32>,
 }
 
 /// What happens to a result after the call.
@@ -38,9 +42,12 @@ enum After {
 impl Maker<'_> {
     /// The instruction that a box is in STL; none: STL calls no such instruction.
     pub fn instruction(&self, element: &Element, row: &'static Row) -> Option<Instruction> {
+        let given: Vec<&str> = connected(element).map(|pin| pin.name.as_str()).collect();
         if self.keeps_br {
-            // The S7-300 has none.
-            return None;
+            // The S7-300 has system functions instead.
+            let Kind::Procedure(name) = row.kind else { return None };
+            let number = Some(system_function(name)?);
+            return Some(Instruction { name, pins: pins_of_block(name, &given)?, is_block: true, number });
         }
         let name = match row.kind {
             Kind::Function(name) | Kind::Procedure(name) => name,
@@ -49,7 +56,6 @@ impl Maker<'_> {
             Kind::Mux => "MUX",
             _ => return None,
         };
-        let given: Vec<&str> = connected(element).map(|pin| pin.name.as_str()).collect();
         let found = self.types.instruction(name, &given);
         let is_block = found.is_none();
         let pins = match found {
@@ -64,7 +70,7 @@ impl Maker<'_> {
             // STL has some inputs that networks write.
             own != Some(PinDirection::InOut) || there != Some(Direction::Input) || is_constant(pin)
         };
-        connected(element).all(|pin| passes(&pin)).then_some(Instruction { name, pins, is_block })
+        connected(element).all(|pin| passes(&pin)).then_some(Instruction { name, pins, is_block, number: None })
     }
 
     /// The call that a box is.
@@ -97,10 +103,17 @@ impl Maker<'_> {
         let mut named: Vec<CallType> = named.collect();
         // `src_type` before `dest_type`.
         named.sort_by(|one, other| other.name.cmp(&one.name));
-        let call = ast::Call { target: self.name_of(called.name), types: named, instance: None, parameters };
+        let target = match called.number {
+            Some(number) => {
+                let block = BlockName::Numbered { prefix: BlockPrefix::Sfc, number, span: self.span };
+                Operand { kind: OperandKind::Block(block), span: self.span }
+            }
+            None => self.name_of(called.name),
+        };
+        let call = ast::Call { target, types: named, instance: None, parameters };
         let call = StatementKind::Call(Box::new(call));
         let wanted = self.is_wanted(graph, plan, at, "eno");
-        if called.is_block && wanted && matches!(enable, Logic::Constant(true)) {
+        if called.is_block && (wanted || self.keeps_br) && matches!(enable, Logic::Constant(true)) {
             // Elsewhere the jump sets it.
             self.push(StlInsn::SetRlo, None);
             self.push(StlInsn::Save, None);

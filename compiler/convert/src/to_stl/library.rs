@@ -58,6 +58,21 @@ pub fn pins_of_block(name: &str, given: &[&str]) -> Option<Vec<InstructionPin>> 
     all.then(|| pins.iter().map(pin).collect())
 }
 
+/// The number that a block has as a system function of an S7-300. Source: System and standard functions for S7-300 and S7-400.
+pub fn system_function(name: &str) -> Option<u32> {
+    Some(match name {
+        "SRT_DINT" => 32,
+        "CAN_DINT" => 33,
+        "QRY_DINT" => 34,
+        "DIS_AIRT" => 41,
+        "EN_AIRT" => 42,
+        "RE_TRIGR" => 43,
+        "STP" => 46,
+        "WAIT" => 47,
+        _ => return None,
+    })
+}
+
 impl Maker<'_> {
     /// Where a block has a DTL, a variable of that type is connected.
     pub fn has_moments(&self, element: &Element, pins: &[InstructionPin]) -> bool {
