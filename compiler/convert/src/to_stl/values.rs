@@ -98,8 +98,14 @@ impl Maker<'_> {
         ty: Elementary,
     ) -> Option<Vec<(StlInsn, Option<Operand>)>> {
         let (operand, from) = self.source(graph, at, name, ty)?;
-        let conversion = self.conversion(from, ty, operand.span)?;
+        let is_extended = from == Elementary::Sint && ty.bits() > 8;
+        let conversion = self.conversion(if is_extended { Elementary::Int } else { from }, ty, operand.span)?;
         let mut load = vec![(StlInsn::Load, Some(operand))];
+        if is_extended {
+            // L fills a byte with zeros.
+            let eight = super::number(8, self.span);
+            load.extend([StlInsn::ShiftLeftW, StlInsn::ShiftSignedI].map(|insn| (insn, Some(eight.clone()))));
+        }
         load.extend(conversion.iter().map(|insn| (*insn, None)));
         Some(load)
     }
@@ -182,7 +188,7 @@ impl Maker<'_> {
             _ if from == to => &[],
             (Int, Dint) => &[StlInsn::IToD],
             (Int, Real) => &[StlInsn::IToD, StlInsn::DToR],
-            (Dint, Real) => &[StlInsn::DToR],
+            (Dint | Elementary::Usint | Elementary::Uint, Real) => &[StlInsn::DToR],
             _ if same_bits && from.bits() > 1 => &[],
             // L fills with zeros.
             (Byte | Char, _) if to.bits() > 8 && to != Real => &[],
