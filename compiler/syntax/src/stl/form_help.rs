@@ -42,8 +42,19 @@ pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
         let (block, number) = (&state.text[*block..*block_end], &state.text[*at_start..*at_end]);
         return Some(format!("write `{block}.{letters} {number}`, where the number counts bytes"));
     }
+    let is_cell = matches!(tokens, [.., (_, Tok::Cell(_), _), (_, Tok::Address(_), _)]);
     let set = state.rules;
     match at {
+        // `A T 1.Q`
+        Tok::Dot if is_cell => {
+            let name = after.strip_prefix('.')?.trim();
+            let mnemonic = match name.to_ascii_uppercase().as_str() {
+                "Q" => insn.mnemonic(set),
+                "ET" | "CV" => StlInsn::Load.mnemonic(set),
+                _ => return None,
+            };
+            Some(format!("it has no components: write `{mnemonic} {before}`"))
+        }
         Tok::Assign => {
             let value = after.strip_prefix(":=")?.trim();
             let (load, store) = match insn {

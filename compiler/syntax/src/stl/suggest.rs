@@ -81,6 +81,7 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("RES", "write `R`"),
     ("RST", "write `R`"),
     ("RESET", "write `R`"),
+    ("CLEAR", "write `CLR`"),
     ("SHL", "write `SLW` for a word, `SLD` for a double word"),
     ("SHR", "write `SRW` or `SRD`; with the sign `SSI` or `SSD`"),
     ("ROL", "write `RLD`"),

@@ -220,6 +220,9 @@ impl StlBinder<'_, '_> {
                 let first: Vec<String> = array.bounds.iter().map(|(low, _)| low.to_string()).collect();
                 Some(format!("name an element, as in `{text}[{}]`", first.join(", ")))
             }
+            Settled::Complex { ty: DataType::String(_), .. } if is_value => {
+                Some(format!("name a character, as in `{text}[1]`; blocks such as LEN take the whole text"))
+            }
             Settled::Complex { ty: DataType::Struct(structure), .. } if is_value => {
                 structure.members.first().map(|first| format!("name a component, as in `{text}.{}`", first.name))
             }

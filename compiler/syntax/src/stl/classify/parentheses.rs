@@ -1,4 +1,4 @@
-//! Operands in parentheses, as other languages have them: `A (I 0.0 OR I 0.1)`, `FP(M 0.1)`, `L ABS(MW 0)`.
+//! Operands in parentheses, as other languages have them: `A (I 0.0 OR I 0.1)`, `FP(M 0.1)`, `L ABS(MW 0)`, `L MW(MD 10)`.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -73,6 +73,15 @@ impl Classifier<'_, '_> {
             [] if takes_operand => {
                 let help = format!("write `{mnemonic} {inner}`");
                 self.report_parentheses(opening, close, "an operand of STL has no parentheses", help);
+            }
+            [(from, Tok::Area(..), end)] if takes_operand => {
+                let letters = &self.text[*from..*end];
+                let is_number = inner.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+                let (title, help) = match is_number {
+                    true => ("an address of STL has no parentheses", format!("write `{mnemonic} {letters} {inner}`")),
+                    false => ("what holds an address is in brackets", format!("write `{mnemonic} {letters}[{inner}]`")),
+                };
+                self.report_parentheses(opening, close, title, help);
             }
             [(from, Tok::Name(_) | Tok::Quoted(_), end)] if *end == opening.start as usize => {
                 let name = &self.text[*from..*end];
