@@ -34,7 +34,12 @@ pub(super) fn attributes(
         set(&mut list, "HeaderVersion", version.as_str());
     }
     list.children.extend(interface);
-    for (key, is_set) in [("IsOnlyStoredInLoadMemory", header.unlinked), ("IsWriteProtectedInAS", header.read_only)] {
+    let is_strict = attribute(header, &["S7_IECCheck"]).is_some_and(|value| value.eq_ignore_ascii_case("TRUE"));
+    for (key, is_set) in [
+        ("IsIECCheckEnabled", is_strict),
+        ("IsOnlyStoredInLoadMemory", header.unlinked),
+        ("IsWriteProtectedInAS", header.read_only),
+    ] {
         if is_set {
             set(&mut list, key, "true");
         }
@@ -77,8 +82,9 @@ pub(super) fn of_instruction(name: &str, header: &Header) -> Vec<Node> {
 
 /// Reports what a header says and the file does not. `is_instruction`: the file says whose data the block has.
 pub(super) fn check_header(name: &BlockName, header: &Header, is_instruction: bool, writer: &mut Writer) {
-    const KNOWN: [&str; 13] = [
+    const KNOWN: [&str; 14] = [
         "DB_Accessible_From_OPC_UA",
+        "S7_IECCheck",
         "S7_SetENOAutomatically",
         "SetENOAutomatically",
         "S7_Optimized_Access",

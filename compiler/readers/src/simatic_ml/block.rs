@@ -186,6 +186,9 @@ fn header(object: Node) -> Header {
     attributes.extend(language.map(|language| ("ProgrammingLanguage".to_string(), language)));
     let sets_eno = text("SetENOAutomatically").filter(|value| value == "true");
     attributes.extend(sets_eno.map(|_| ("S7_SetENOAutomatically".to_string(), "TRUE".to_string())));
+    if is("IsIECCheckEnabled") {
+        attributes.push(("S7_IECCheck".to_string(), "TRUE".to_string()));
+    }
     // What a source says of the data of an instruction.
     if let (Some(name), Some(version)) = (text("OfSystemLibElement"), text("OfSystemLibVersion")) {
         attributes.push(("InstructionName".to_string(), name));

@@ -1,4 +1,4 @@
-//! Start values and instances.
+//! Start values, instances and attributes of blocks.
 
 use std::fs;
 use std::path::Path;
@@ -112,4 +112,31 @@ END_ORGANIZATION_BLOCK
     let tested = plcc(folder, &["test", "a.xml"]);
     let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(found.contains("2 passed, 0 failed"), "{found}");
+}
+
+/// The check of types by IEC 61131-3, with which a BYTE is no INT.
+#[test]
+fn the_iec_check_of_a_block_stays() {
+    const SCL: &str = r#"//@ cpu s7-1500
+FUNCTION_BLOCK "Strict"
+{ S7_Optimized_Access := 'TRUE'; S7_IECCheck := 'TRUE' }
+VERSION : 0.1
+VAR
+  b : Byte;
+  i : Int;
+END_VAR
+BEGIN
+  #i := BYTE_TO_INT(#b);
+END_FUNCTION_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
+    let written = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    assert!(written.stderr.is_empty(), "{}", text(&written.stderr));
+    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    assert!(document.contains("<IsIECCheckEnabled>true</IsIECCheckEnabled>"), "{document}");
+    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    assert!(back.contains("S7_IECCheck := 'TRUE'"), "{back}");
 }
