@@ -350,6 +350,8 @@ fn values_at(
                 values_at(&[around, &index].concat(), value, element, node, library, writer);
             }
         }
+        // `()`: what its type says.
+        (InitialKind::Fields(fields), _) if fields.is_empty() => {}
         (InitialKind::Fields(fields), _) => {
             let Some(members) = library.members(ty) else { return refuse(value, writer) };
             for (at, (name, value)) in fields.iter().enumerate() {

@@ -63,6 +63,19 @@ fn arrays_of_structures_have_gaps() {
     }
 }
 
+/// `()` at an array is no start value, as at a structure.
+#[test]
+fn values_that_stay_are_none_in_xml() {
+    let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/data/structure_start_values.stl");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &list.display().to_string(), "--to", "xml", "-o", "a.xml"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.xml"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("7 passed, 0 failed"), "{found}");
+}
+
 /// The type of a data block in quotes may still be one of the system.
 #[test]
 fn data_of_timers_are_no_instances_of_function_blocks() {
