@@ -128,7 +128,7 @@ pub fn check_as_list(case: &Case) -> Result<(), Failure> {
     }
     let settings = Settings { plain_charts: false, ..plain };
     let bound = good(pipeline::front(read([("list.stl", list.as_str()), ("main.stl", caller.as_str())]), &settings))?;
-    let compiled = pipeline::back(&bound, Level::O0.into());
+    let compiled = pipeline::back(&bound, Level::O0);
     let code = code::jit(&compiled).map_err(|error| Failure::Refused(error.to_string()))?;
     run(case, &compiled, code)
 }

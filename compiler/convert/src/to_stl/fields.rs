@@ -70,13 +70,13 @@ impl Maker<'_> {
     /// How many elements an array has from the one on that a path names by numbers; none for other paths.
     fn elements_from(&self, path: &Path) -> Option<i64> {
         let (bounds, indices) = self.array_and_indices(path)?;
-        let length = |(low, high): &(i64, i64)| high.checked_sub(*low)?.checked_add(1);
+        let length = |(low, high): &Bounds| high.checked_sub(*low)?.checked_add(1);
         let total = bounds.iter().try_fold(1_i64, |before, one| before.checked_mul(length(one)?))?;
         Some(total - position(&bounds, &indices))
     }
 
     /// The bounds of the array of which a path names an element, and the indices of that.
-    fn array_and_indices(&self, path: &Path) -> Option<(Vec<(i64, i64)>, Vec<i64>)> {
+    fn array_and_indices(&self, path: &Path) -> Option<(Vec<Bounds>, Vec<i64>)> {
         let number = |bound: &Bound| match bound {
             Bound::Number(number, _) => Some(*number),
             Bound::Name(..) | Bound::Expr(_) | Bound::Path(_) => None,
@@ -88,7 +88,7 @@ impl Maker<'_> {
         let bounds =
             bounds.iter().map(|(low, high)| Some((number(low)?, number(high)?))).collect::<Option<Vec<_>>>()?;
         let indices = values.iter().map(number).collect::<Option<Vec<_>>>()?;
-        let is_inside = |((low, high), index): (&(i64, i64), &i64)| (*low..=*high).contains(index);
+        let is_inside = |((low, high), index): (&Bounds, &i64)| (*low..=*high).contains(index);
         (bounds.len() == indices.len() && bounds.iter().zip(&indices).all(is_inside)).then_some((bounds, indices))
     }
 

@@ -9,14 +9,14 @@ use crate::node::Node;
 /// No array has more start values than this.
 const VALUES_MAX: i64 = 100_000;
 
+/// A start value with the indices of its element.
+type Placed<'v> = (Vec<i64>, &'v InitialValue);
+
 /// The values of a list for an array with the indices of their elements, and the type of these; `None`: bounds or repetitions are not known,
 /// or there are too many.
 ///
 /// The elements of arrays in an array are counted through; each list in the list begins at the first element of one of these.
-pub fn of_list<'v, 't>(
-    value: &'v InitialValue,
-    ty: &'t TypeRef,
-) -> Option<(Vec<(Vec<i64>, &'v InitialValue)>, &'t TypeRef)> {
+pub fn of_list<'v, 't>(value: &'v InitialValue, ty: &'t TypeRef) -> Option<(Vec<Placed<'v>>, &'t TypeRef)> {
     let TypeKind::Array { element, .. } = &ty.kind else { return None };
     let values = match &value.kind {
         InitialKind::List(values) => values.as_slice(),

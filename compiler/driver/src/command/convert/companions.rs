@@ -98,6 +98,7 @@ fn settings(
     let names_cpu =
         parsed.project.as_ref().is_some_and(|project| project.cpu.is_some()) || cpu_of_pragmas(parsed).is_some();
     let named = args.cpu.as_deref().and_then(profile::lookup);
+    let is_named = named.is_some();
     let cpu = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units));
     // Statement lists and charts of S7-GRAPH imply an S7-300, others a CPU of the TIA Portal.
     let of_portal = made.filter(|(to, _)| match to {
@@ -105,7 +106,7 @@ fn settings(
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Xml => true,
     });
     let implies_another = match of_portal {
-        Some(made) => named.is_some() || !keeps_rules(parsed, made, &cpu),
+        Some(made) => is_named || !keeps_rules(parsed, made, &cpu),
         None => to == Some(ConvertTo::Stl) && cpu.family == Family::S71500,
     };
     if !names_cpu && implies_another {

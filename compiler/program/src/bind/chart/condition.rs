@@ -51,7 +51,7 @@ impl ChartBinder<'_, '_> {
         let is_structure = is == "of type STRUCT";
         self.program.report(
             Diagnostic::new(Code::ConditionType, node.span, format!("`{text}` is {is}, but {what} needs a BOOL"))
-                .label(is)
+                .label(is.clone())
                 .help(match text.as_str() {
                     "1" => "write `TRUE`".to_string(),
                     "0" => "write `FALSE`".to_string(),
