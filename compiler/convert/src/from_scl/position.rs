@@ -99,25 +99,35 @@ impl<'a> Positions<'a> {
         text.match_indices(word).map(|(at, _)| at).find_map(|at| {
             let whole = !text[..at].ends_with(is_part) && !text[at + word.len()..].starts_with(is_part);
             let place = from + at as u32;
-            let in_comment = self.comments.iter().any(|comment| (comment.start..comment.end).contains(&place));
-            (whole && !in_comment).then_some(place)
+            (whole && !self.is_in_comment(place)).then_some(place)
         })
+    }
+
+    fn is_in_comment(&self, place: u32) -> bool {
+        let before = self.comments.partition_point(|comment| comment.start <= place);
+        before.checked_sub(1).is_some_and(|last| place < self.comments[last].end)
+    }
+
+    /// The comments that begin between the two places.
+    fn comments_between(&self, from: u32, to: u32) -> &'a [Comment] {
+        let first = |at: u32| self.comments.partition_point(|comment| comment.start < at);
+        self.comments.get(first(from)..first(to)).unwrap_or_default()
     }
 
     /// A comment begins between the two places.
     pub fn has_comment(&self, from: u32, to: u32) -> bool {
-        let first = self.comments.partition_point(|comment| comment.start < from);
-        self.comments.get(first).is_some_and(|comment| comment.start < to)
+        !self.comments_between(from, to).is_empty()
     }
 
     /// The lines of comments directly before a statement, as the comment of its network.
     pub fn comment_before(&self, from: u32, to: u32) -> Vec<String> {
-        let between = self.comments.iter().filter(|comment| (from..to).contains(&comment.start));
         let text = |comment: &Comment| self.text.get(comment.range()).unwrap_or_default().trim_end();
         let plain = |comment: &&Comment| {
             comment.own_line && comment.form == CommentForm::Line && !text(comment).starts_with("//@")
         };
-        let mut lines: Vec<String> = between
+        let mut lines: Vec<String> = self
+            .comments_between(from, to)
+            .iter()
             .rev()
             .take_while(plain)
             .map(|comment| text(comment).trim_start_matches('/').trim().to_string())
