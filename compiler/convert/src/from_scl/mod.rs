@@ -58,6 +58,10 @@ pub fn unit(
 ) -> (SourceUnit, Vec<Diagnostic>) {
     let mut made = unit.clone();
     let mut messages = Vec::new();
+    let mut symbols = Symbols::new();
+    for symbol in &program.symbols {
+        symbols.entry(symbol.address.replace(' ', "")).or_default().push(symbol);
+    }
     for block in &mut made.blocks {
         let Block::Code(tree) = block else { continue };
         if !has_statements(&tree.code) {
@@ -99,7 +103,7 @@ pub fn unit(
             ast::Code::Scl(_) | ast::Code::Graphic(_) | ast::Code::Stl(_) => (&*tree, comments),
         };
         let positions = Positions::new(text, comments, &networks::lists(&source.code));
-        let mut maker = Maker::new(program, bound, typed, source, positions);
+        let mut maker = Maker::new((program, &symbols), bound, typed, source, positions);
         let code = maker.code();
         let refused = maker.messages.iter().any(Diagnostic::is_error);
         messages.append(&mut maker.messages);
@@ -117,9 +121,13 @@ pub fn unit(
     (made, messages)
 }
 
+/// The symbols at each address.
+type Symbols<'a> = HashMap<String, Vec<&'a model::Symbol>>;
+
 /// What is made of one block.
 struct Maker<'a> {
     program: &'a Program,
+    symbols: &'a Symbols<'a>,
     block: &'a model::CodeBlock,
     body: &'a SclBody,
     tree: &'a ast::CodeBlock,
@@ -158,7 +166,7 @@ struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     fn new(
-        program: &'a Program,
+        (program, symbols): (&'a Program, &'a Symbols<'a>),
         block: &'a model::CodeBlock,
         body: &'a SclBody,
         tree: &'a ast::CodeBlock,
@@ -166,6 +174,7 @@ impl<'a> Maker<'a> {
     ) -> Maker<'a> {
         Maker {
             program,
+            symbols,
             block,
             body,
             tree,

@@ -185,16 +185,15 @@ impl Maker<'_> {
             Width::Bit => format!("{letters}{byte}.{bit}"),
             Width::Byte | Width::Word | Width::Dword | Width::Lword => format!("{letters}{byte}"),
         };
-        let is_named = |symbol: &&model::Symbol| {
-            symbol.address.replace(' ', "") == address && written.contains(&symbol.name.to_lowercase())
-        };
+        let symbols = self.symbols.get(&address).into_iter().flatten();
+        let named = symbols.filter(|symbol| written.contains(&symbol.name.to_lowercase()));
         let span_here = self.span;
         let quoted = |name: &str| Path {
             root: PathRoot::Quoted { name: name.to_string(), span: span_here },
             parts: Vec::new(),
             span: span_here,
         };
-        match self.program.symbols.iter().filter(is_named).max_by_key(|symbol| symbol.name.len()) {
+        match named.max_by_key(|symbol| symbol.name.len()) {
             Some(symbol) => {
                 let exact = symbol.ty.as_ref().is_none_or(|known| known == ty);
                 let kind = OperandKind::Path(quoted(&symbol.name));
