@@ -4,14 +4,15 @@
 #![allow(unsafe_code, reason = "an allocator that counts, and the clock of the process")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::fmt::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use plcc_convert::from_scl;
 use plcc_diag::SourceFile;
 use plcc_driver::cli::Level;
 use plcc_driver::code;
 use plcc_driver::inputs::Read;
 use plcc_driver::pipeline::{self, Settings};
+use plcc_syntax::scl as syntax;
 
 /// Counts bytes.
 struct Counting;
@@ -322,8 +323,7 @@ fn processor_time() -> u64 {
 fn work(shape: &Shape, size: usize, level: Level) -> (u64, u64) {
     let text = (shape.text)(size);
     let name = format!("growth.{}", shape.ending);
-    let run = move || {
-        let (time, bytes) = (processor_time(), ALLOCATED.load(Ordering::Relaxed));
+    measured(move || {
         let mut read = Read { name: "growth".to_string(), ..Read::default() };
         read.units.push(read.sources.add(SourceFile::new(name, text)));
         let bound = pipeline::front(read, &Settings { require_main: true, ..Settings::default() });
@@ -332,6 +332,35 @@ fn work(shape: &Shape, size: usize, level: Level) -> (u64, u64) {
             let compiled = pipeline::back(&bound, level);
             code::jit(&compiled).expect("what binds compiles");
         }
+    })
+}
+
+/// Time and bytes that a program of SCL takes to become STL, with a tag, comments and a branch for each statement.
+fn conversion(size: usize) -> (u64, u64) {
+    let tags = lines(size, |i| format!("\"Tag_{i}\",\"M {}.{}\",\"BOOL\",\"\"\n", i / 8, i % 8));
+    let text =
+        scl("", &lines(size, |i| format!("// tag {i}\nIF \"Tag_{i}\" THEN // on\n\"Tag_{i}\" := FALSE;\nEND_IF;\n")));
+    measured(move || {
+        let mut read = Read { name: "growth".to_string(), ..Read::default() };
+        read.tables.push(read.sources.add(SourceFile::new("growth.sym.txt", tags)));
+        read.units.push(read.sources.add(SourceFile::new("growth.scl", text.clone())));
+        let settings = Settings { cpu: Some("s7-1500".to_string()), require_main: true, ..Settings::default() };
+        let parsed = pipeline::parse(read, &settings);
+        let unit = parsed.units[0].1.clone();
+        let bound = pipeline::bind(parsed, &settings);
+        assert!(!bound.has_errors(), "{:#?}", bound.diagnostics);
+        let comments = syntax::comments(&text);
+        let meaning = (text.as_str(), comments.as_slice());
+        let (_, messages) = from_scl::unit(&unit, &bound.program, meaning, plcc_program::with_chart_data);
+        assert!(messages.is_empty(), "{messages:#?}");
+    })
+}
+
+/// Time and bytes.
+fn measured(run: impl FnOnce() + Send + 'static) -> (u64, u64) {
+    let run = move || {
+        let (time, bytes) = (processor_time(), ALLOCATED.load(Ordering::Relaxed));
+        run();
         (processor_time() - time, ALLOCATED.load(Ordering::Relaxed) - bytes)
     };
     plcc_driver::on_large_stack(run).expect("no panic")
@@ -348,34 +377,34 @@ const BYTES_MAX: f64 = 80.0;
 /// Measurements of a factor that is too large before it counts.
 const TRIES: usize = 4;
 
+/// What grows too fast; empty if nothing does.
+fn growth(name: &str, size: usize, work: &dyn Fn(usize) -> (u64, u64)) -> String {
+    // What else runs on the computer, and where memory lies, change times by half: work that grows too fast does so in each try.
+    let (mut time, mut bytes, mut large) = (0.0, 0.0, (0, 0));
+    for _ in 0..TRIES {
+        let small = work(size);
+        large = work(LARGER * size);
+        (time, bytes) = (large.0 as f64 / small.0 as f64, large.1 as f64 / small.1 as f64);
+        if time <= TIME_MAX {
+            break;
+        }
+    }
+    println!("{name}: {time:.1} times the time ({} ms), {bytes:.1} times the memory", large.0 / 1_000_000);
+    match time > TIME_MAX || bytes > BYTES_MAX {
+        true => format!("{name}: {time:.1} times the time, {bytes:.1} times the memory\n"),
+        false => String::new(),
+    }
+}
+
 #[test]
 fn work_follows_the_size() {
     let mut failures = String::new();
     for shape in SHAPES {
         for level in [Level::O0, Level::O2] {
-            // What else runs on the computer, and where memory lies, change times by half: work that grows too fast does so in each try.
-            let (mut time, mut bytes, mut large) = (0.0, 0.0, (0, 0));
-            for _ in 0..TRIES {
-                let small = work(shape, shape.size, level);
-                large = work(shape, LARGER * shape.size, level);
-                (time, bytes) = (large.0 as f64 / small.0 as f64, large.1 as f64 / small.1 as f64);
-                if time <= TIME_MAX {
-                    break;
-                }
-            }
-            println!(
-                "{} {level:?}: {time:.1} times the time ({} ms), {bytes:.1} times the memory",
-                shape.name,
-                large.0 / 1_000_000
-            );
-            if time > TIME_MAX || bytes > BYTES_MAX {
-                _ = writeln!(
-                    failures,
-                    "{} {level:?}: {time:.1} times the time, {bytes:.1} times the memory",
-                    shape.name
-                );
-            }
+            let name = format!("{} {level:?}", shape.name);
+            failures.push_str(&growth(&name, shape.size, &|size| work(shape, size, level)));
         }
     }
+    failures.push_str(&growth("SCL as STL", 500, &conversion));
     assert!(failures.is_empty(), "{failures}");
 }
