@@ -1,6 +1,6 @@
 //! Types of operands, where a box does not name its own.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use plcc_model::InstructionPin;
 use plcc_syntax::Elementary;
@@ -17,9 +17,6 @@ use crate::xml::system;
 
 /// The parameters of a call of an instruction that supplies those with the given names; none: STL has no such call.
 pub type FindInstruction = fn(&str, &[&str]) -> Option<Vec<InstructionPin>>;
-
-/// The depth to which data types are looked into.
-const DEPTH_MAX: usize = 16;
 
 /// What the sources of a program declare.
 #[derive(Default)]
@@ -214,22 +211,30 @@ impl<'a> Types<'a> {
 
     /// Whether variables of a type contain texts.
     pub fn has_texts(&self, ty: &TypeRef) -> bool {
-        self.has_texts_within(ty, DEPTH_MAX)
-    }
-
-    /// `depth`: how many types inside of each other are looked at. A type may contain itself by mistake.
-    fn has_texts_within(&self, ty: &TypeRef, depth: usize) -> bool {
-        let Some(depth) = depth.checked_sub(1) else { return false };
-        let any = |members: &[Variable]| members.iter().any(|member| self.has_texts_within(&member.ty, depth));
-        let of_name = |name: &str| self.types.get(name).is_some_and(|members| any(members));
-        match &ty.kind {
-            TypeKind::String(_) | TypeKind::WideString(_) => true,
-            TypeKind::Array { element, .. } => self.has_texts_within(element, depth),
-            TypeKind::Struct(members) => any(members),
-            TypeKind::Named(name) => of_name(&name.to_lowercase()),
-            TypeKind::Block(name) => of_name(&key(name)),
-            TypeKind::OpenArray { .. } | TypeKind::Reference(_) | TypeKind::Error => false,
+        let (mut rest, mut seen) = (vec![ty], HashSet::new());
+        while let Some(ty) = rest.pop() {
+            let name = match &ty.kind {
+                TypeKind::String(_) | TypeKind::WideString(_) => return true,
+                TypeKind::Array { element, .. } => {
+                    rest.push(element);
+                    continue;
+                }
+                TypeKind::Struct(members) => {
+                    rest.extend(members.iter().map(|member| &member.ty));
+                    continue;
+                }
+                TypeKind::Named(name) => name.to_lowercase(),
+                TypeKind::Block(name) => key(name),
+                TypeKind::OpenArray { .. } | TypeKind::Reference(_) | TypeKind::Error => continue,
+            };
+            // A type may contain itself by mistake.
+            if let Some(members) = self.types.get(&name)
+                && seen.insert(name)
+            {
+                rest.extend(members.iter().map(|member| &member.ty));
+            }
         }
+        false
     }
 
     /// Whether elements of an array are instances, which STL does not have.

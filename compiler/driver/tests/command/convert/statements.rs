@@ -403,3 +403,19 @@ fn constants_of_tag_tables_have_types() {
     let list = fs::read_to_string(folder.join("made/a.stl")).expect("it is written");
     assert!(list.contains("L     \"HIGH\";\n      L     7;\n      +I;\n      T     #i;"), "{list}");
 }
+
+/// A data type that contains itself several times has no end.
+#[test]
+fn types_that_contain_themselves_are_looked_into_once() {
+    let members: String = (0..8).map(|number| format!("  m{number} : \"T\";\n")).collect();
+    let source = format!(
+        "TYPE \"T\"\nSTRUCT\n{members}END_STRUCT\nEND_TYPE\n\
+         FUNCTION \"F\" : VOID\n{{ S7_Language := \"LAD\" }}\nVAR_TEMP\n  t : \"T\";\n  x : BOOL;\nEND_VAR\nNETWORK\n\
+         RUNG wire#powerrail\n  Contact( #x )\n  Coil( #x )\nEND_RUNG\nEND_NETWORK\nEND_FUNCTION\n"
+    );
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+}
