@@ -13,7 +13,7 @@ use crate::process::{Plc, Program, broker, connect_to_broker, cycles_took_at_mos
 use crate::{here, venv};
 
 /// The values that the host knows.
-const PUBLISHED: &str = "Values,Groups,Fixed,MW20";
+const PUBLISHED: &str = "Values,Groups,Fixed,Guarded,Hidden,MW20,Shown,MB45";
 
 fn url(port: u16) -> String {
     format!("mqtt://127.0.0.1:{port}")

@@ -143,6 +143,8 @@ VALUES = [
     ("Groups.motors[2].speed", DataType.FLOAT, 0.0, 12.5),
     ("Groups.ints[-1]", DataType.INT16, 10, 11),
     ("MW20", DataType.UINT16, 0, 77),
+    ("Guarded.open", DataType.INT16, 1, 2),
+    ("Guarded.mixed.a", DataType.INT16, 3, 4),
 ]
 for name, ty, first, value in VALUES:
     metric = known[name]
@@ -161,6 +163,11 @@ for metrics, why in [
     ([("Values.aTod", DataType.UINT32, 86_400_000)], "Values.aTod: its type does not have this value"),
     ([("Values.aString", DataType.STRING, "too long")], "Values.aString: its type does not have this value"),
     ([("Fixed.a", DataType.UINT16, 1)], "Fixed.a: it cannot be written"),
+    ([("Guarded.secret", DataType.INT16, 1)], "Guarded.secret: it cannot be written"),
+    ([("Guarded.mixed.b", DataType.INT16, 1)], "Guarded.mixed.b: it cannot be written"),
+    ([("Hidden.a", DataType.INT16, 1)], "Hidden.a: it cannot be written"),
+    ([("Shown", DataType.INT16, 1)], "Shown: it cannot be written"),
+    ([("MB45", DataType.UINT8, 1)], "MB45: it cannot be written"),
 ]:
     command("DCMD", metrics)
     wait(refused, why)

@@ -3,6 +3,7 @@
 //! A name begins with a symbol or a DB, and goes on with members, indices and at last a slice of a bit string. Quotes may be
 //! left out, and letters of both cases are the same where no other name has the exact letters.
 
+mod limits;
 pub mod path;
 mod used;
 
@@ -17,6 +18,7 @@ use crate::signal;
 use crate::typed::{self, ValueType};
 use path::{Part, written};
 
+pub use limits::Limits;
 pub use used::used;
 
 /// A value with an address.

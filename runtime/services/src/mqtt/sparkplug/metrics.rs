@@ -9,8 +9,10 @@
 
 use plcc_abi::ProgramImage;
 use plcc_abi::image::AssertType;
+use plcc_abi::names::External;
 use plcc_runtime::address::{Address, Place, Width};
 use plcc_runtime::cpu::Cpu;
+use plcc_runtime::names::Limits;
 use plcc_runtime::signal::{Signal, Source};
 use plcc_runtime::typed::ValueType;
 
@@ -46,12 +48,18 @@ pub enum Copied {
 }
 
 impl Tag {
-    pub fn new(signal: Signal, image: &ProgramImage) -> Tag {
+    /// `limits`: of the program.
+    pub fn new(signal: Signal, image: &ProgramImage, limits: &Limits) -> Tag {
         let is_fixed = |address: &Address| match address.place {
             Place::Db(number, _) => image.dbs.iter().any(|db| db.number == number && db.read_only),
             _ => false,
         };
-        let read_only = signal.source.address().is_some_and(is_fixed);
+        let bits = match &signal.source {
+            Source::Typed(address, ty) => (8 * ty.bytes()).max(address.width.bits()),
+            source => source.address().map_or(0, |address| address.width.bits()),
+        };
+        let is_limited = |address: &Address| limits.of(image, address, bits.into()) != External::Write;
+        let read_only = signal.source.address().is_some_and(|address| is_fixed(address) || is_limited(address));
         Tag::of(signal, read_only)
     }
 
@@ -74,9 +82,9 @@ impl Tag {
     }
 
     /// The same in another program.
-    pub fn renewed(&self, image: &ProgramImage) -> Tag {
+    pub fn renewed(&self, image: &ProgramImage, limits: &Limits) -> Tag {
         match Source::find(&self.name, image, None) {
-            Ok(source) => Tag::new(Signal { name: self.name.clone(), source }, image),
+            Ok(source) => Tag::new(Signal { name: self.name.clone(), source }, image, limits),
             Err(_) => Tag { name: self.name.clone(), kind: Kind::Gone(self.datatype()) },
         }
     }

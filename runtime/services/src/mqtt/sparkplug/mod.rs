@@ -22,6 +22,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use plcc_abi::ProgramImage;
 use plcc_abi::services::{Protection, Right};
 use plcc_runtime::cpu::Cpu;
+use plcc_runtime::names::Limits;
 use prost::Message;
 use rumqttc::{AsyncClient, LastWill, MqttOptions, Publish, QoS};
 use tokio::sync::{mpsc, watch};
@@ -117,11 +118,12 @@ impl Node {
             let prefix = &target.broker.prefix;
             return Err(format!("--sparkplug: its topics begin with {NAMESPACE}; take `/{prefix}` out of the URL"));
         }
+        let limits = Limits::new(image);
         let mut tags: Vec<Tag> = Vec::new();
         let mut known = std::collections::HashSet::new();
         for signal in named(values, image)? {
             if known.insert(signal.name.clone()) {
-                tags.push(Tag::new(signal, image));
+                tags.push(Tag::new(signal, image, &limits));
             }
         }
         Ok(Node {
@@ -201,7 +203,8 @@ struct Seen {
 
 fn look(cpu: &Cpu, tags: &Arc<[Tag]>, generation: u64) -> Seen {
     let renewed = (cpu.generation() != generation).then(|| {
-        let tags: Arc<[Tag]> = tags.iter().map(|tag| tag.renewed(&cpu.image)).collect();
+        let limits = Limits::new(&cpu.image);
+        let tags: Arc<[Tag]> = tags.iter().map(|tag| tag.renewed(&cpu.image, &limits)).collect();
         (cpu.generation(), tags, cpu.image.name.clone())
     });
     let tags = renewed.as_ref().map_or(tags, |(_, tags, _)| tags);

@@ -22,11 +22,11 @@ mod tags;
 mod thing;
 
 use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 use plcc_abi::ProgramImage;
 use plcc_abi::names::External;
+use plcc_runtime::names::Limits;
 
 use super::code::{Id, NodeId};
 use super::standard::{self, HAS_COMPONENT, HAS_ENCODING, HAS_PROPERTY, HAS_SUBTYPE, OBJECTS, ORGANIZES};
@@ -55,8 +55,8 @@ pub struct Space {
     roots: HashMap<String, Thing>,
     /// What clients may do with all of a value, by the numbers of the types.
     least: Vec<External>,
-    /// What clients may do with tags that say so, and where they are.
-    limits: Vec<(Folder, Range<u64>, External)>,
+    /// What clients may do with tags.
+    limits: Limits,
     /// Of structures that can be a value, by the numbers of their types.
     shapes: Vec<Option<Arc<Shape>>>,
     /// Those that some variable has, and their places in `shapes` by name.
@@ -74,20 +74,19 @@ impl Space {
         image.config.services.drawings.clear();
         image.dbs.iter_mut().for_each(|db| db.data.clear());
         let mut space = Space {
+            limits: Limits::new(&image),
             image,
             generation,
             tags: Vec::new(),
             blocks: Vec::new(),
             roots: HashMap::new(),
             least: Vec::new(),
-            limits: Vec::new(),
             shapes: Vec::new(),
             data_types: Vec::new(),
             by_name: HashMap::new(),
         };
         space.find_least();
         space.find_shapes();
-        space.find_limits();
         space.tags = space.find_tags();
         space.blocks = space.image.dbs.iter().filter_map(|db| space.block(db)).collect();
         let tags = space.tags.iter().map(|(_, thing)| thing);

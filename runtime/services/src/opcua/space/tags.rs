@@ -1,14 +1,11 @@
 //! Which names and addresses a program has.
 
-use std::ops::Range;
-
 use plcc_abi::image::{AssertType, DbEntry, SymbolEntry};
-use plcc_abi::names::{Dimension, External, NamedMember, TypeNumber};
+use plcc_abi::names::External;
 use plcc_runtime::address::{self, Address, Place, Width};
 use plcc_runtime::names;
 use plcc_runtime::typed::ValueType;
 
-use super::super::values::bits;
 use super::Space;
 use super::node::Folder;
 use super::thing::{Form, Thing, Ty, quoted};
@@ -38,46 +35,9 @@ impl Space {
         })
     }
 
-    /// Finds the tags with which clients may not do everything.
-    pub(super) fn find_limits(&mut self) {
-        let symbols = self.image.symbols.iter().filter(|symbol| symbol.external != External::Write);
-        let limits = symbols.filter_map(|symbol| {
-            let (_, thing) = self.named_tag(symbol)?;
-            let bits = match thing.ty {
-                Ty::Plain(ty) => u64::from(bits(ty)),
-                Ty::Declared(ty) => self.bits_of(ty),
-            };
-            let (folder, bits) = place_of(thing.place, thing.bit, bits)?;
-            Some((folder, bits, symbol.external))
-        });
-        self.limits = limits.collect();
-    }
-
     /// What clients may do with an address: no more than with any tag there.
     pub(super) fn limit(&self, address: Address) -> External {
-        let place = place_of(address.place, bit_of(address), address.width.bits().into());
-        let Some((folder, bits)) = place else { return External::Write };
-        let is_there = |range: &Range<u64>| range.start < bits.end && bits.start < range.end;
-        let there = self.limits.iter().filter(|(own, range, _)| *own == folder && is_there(range));
-        there.map(|(.., external)| *external).min().unwrap_or_default()
-    }
-
-    /// From the first bit of a value to its last.
-    fn bits_of(&self, ty: TypeNumber) -> u64 {
-        match self.form(ty) {
-            Form::Value(ty) => bits(ty).into(),
-            Form::Array(dimensions, element) => {
-                let steps = |dimension: &Dimension| i64::from(dimension.high).abs_diff(dimension.low.into());
-                let last = dimensions.iter().map(|dimension| steps(dimension) * u64::from(dimension.distance));
-                last.sum::<u64>() + self.bits_of(element)
-            }
-            Form::Struct(structure) => {
-                let end =
-                    |member: &NamedMember| 8 * u64::from(member.byte) + u64::from(member.bit) + self.bits_of(member.ty);
-                structure.members.iter().map(end).max().unwrap_or(0)
-            }
-            Form::Other => 0,
-        }
+        self.limits.of_tags(&address, address.width.bits().into())
     }
 
     /// The tag of a symbol, unless it names a block.
@@ -129,29 +89,11 @@ impl Space {
             }
             place => (place, ty),
         };
-        let bit = bit_of(address);
+        let bit = if let Width::Bit(bit) = address.width { bit } else { 0 };
         let folder = Folder::of(place);
         let parent = folder.name().to_string();
         (folder, Thing { id, name: name.to_string(), parent, place, bit, ty, read_only: false })
     }
-}
-
-fn bit_of(address: Address) -> u8 {
-    if let Width::Bit(bit) = address.width { bit } else { 0 }
-}
-
-/// The folder of a place, and the bits that it has there. Direct access to modules is access to the process image.
-fn place_of(place: Place, bit: u8, bits: u64) -> Option<(Folder, Range<u64>)> {
-    let (byte, bits) = match place {
-        Place::Input(byte) | Place::PeripheralInput(byte) => (byte, bits),
-        Place::Output(byte) | Place::PeripheralOutput(byte) | Place::BitMemory(byte) => (byte, bits),
-        // As many as a byte, whatever their values have.
-        Place::Timer(number) | Place::TimerValue(number) => (number, 8),
-        Place::Counter(number) | Place::CounterValue(number) => (number, 8),
-        Place::Db(..) | Place::S7200(..) => return None,
-    };
-    let start = 8 * u64::from(byte) + u64::from(bit);
-    Some((Folder::of(place), start..start + bits))
 }
 
 /// Bits of a width.
