@@ -190,7 +190,7 @@ impl NetworkBinder<'_, '_> {
                     let ty =
                         ty.or_else(|| self.own_type(&result)).filter(|ty| ty.is_float()).unwrap_or(Elementary::Real);
                     let left = self.scl().convert(ctx, result, ty)?;
-                    let right = self.scl().convert(ctx, value, ty)?;
+                    let right = self.scl().exponent(ctx, value, ty)?;
                     Value::Elementary(binary_expr(BinaryOp::Power, left, right, ty, span))
                 }
                 (_, Operator::And | Operator::Or | Operator::Xor) => {

@@ -120,7 +120,12 @@ impl SclBinder<'_, '_> {
         if is_address && let Some(bits) = convert::same_bits(rules, from, ty) {
             return Some(convert::converted(value, bits, ty));
         }
-        let implicit = convert::implicit(rules, ctx.scope.strict, from, ty);
+        let implicit = match convert::implicit(rules, ctx.scope.strict, from, ty) {
+            Implicit::No if ctx.scope.strict && self.takes_any_type(rules, &value, ty) => {
+                convert::implicit(rules, false, from, ty)
+            }
+            checked => checked,
+        };
         if implicit == Implicit::Yes
             && !ctx.scope.is_network()
             && let Some(own) = self.of_target_type(rules, &value, ty)
@@ -147,6 +152,44 @@ impl SclBinder<'_, '_> {
             Implicit::Yes => self.too_late_for_target(ctx, &value, ty),
         }
         convert::explicit_expr(rules, value, ty)
+    }
+
+    /// The exponent of `**` and EXPT in type `ty`: any number, also with the IEC check.
+    pub(in crate::bind) fn exponent(&mut self, ctx: &mut SclBlock, value: Value, ty: Elementary) -> Option<Expr> {
+        match value {
+            Value::Elementary(value) if ctx.scope.strict && (value.ty.is_integer() || value.ty.is_float()) => {
+                convert::explicit_expr(ctx.scope.rules, value, ty)
+            }
+            value => self.convert(ctx, value, ty),
+        }
+    }
+
+    /// Whether the IEC check has nothing against a value in type `ty`, because nothing in it has a type of its own: it is computed from numbers
+    /// without a type and from functions that follow their target.
+    fn takes_any_type(&self, rules: Rules, value: &Expr, ty: Elementary) -> bool {
+        let is_number = value.ty.is_integer() && (ty.is_integer() || ty.is_float());
+        let is_float = value.ty.is_float() && ty.is_float();
+        self.of_target_type(rules, value, ty).is_some()
+            || self.follows_target(rules, value, ty)
+            || (is_number || is_float) && self.is_untyped_number(rules, value)
+    }
+
+    fn is_untyped_number(&self, rules: Rules, value: &Expr) -> bool {
+        let is_untyped = |part: &Expr| self.is_untyped_number(rules, part);
+        match &value.kind {
+            ExprKind::Const(_) => {
+                let text = self.program.globals.text(value.span);
+                text.trim_start_matches(['+', '-', ' ']).starts_with(|first: char| first.is_ascii_digit())
+            }
+            ExprKind::Unary { operand, .. } => is_untyped(operand),
+            ExprKind::Binary { left, right, .. } => is_untyped(left) && is_untyped(right),
+            ExprKind::Function { arguments, .. } => arguments.iter().all(is_untyped),
+            // An implicit conversion has the text of its operand.
+            ExprKind::Convert { operand, .. } => {
+                self.is_rounding_without_type(rules, value) || operand.span == value.span && is_untyped(operand)
+            }
+            _ => false,
+        }
     }
 
     /// Warns of a function that would have the type of its target if it stood alone, but is part of a shorter expression:

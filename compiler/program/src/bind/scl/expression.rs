@@ -356,7 +356,8 @@ impl SclBinder<'_, '_> {
         }
         let long = |shape| matches!(shape, Shape::Of(Elementary::Lreal));
         let ty = if long(a) || long(b) { Elementary::Lreal } else { Elementary::Real };
-        self.combined(ctx, BinaryOp::Power, left, right, ty, span)
+        let (left, right) = (self.convert(ctx, left, ty), self.exponent(ctx, right, ty));
+        Some(Value::Elementary(binary_expr(BinaryOp::Power, left?, right?, ty, span)))
     }
 
     fn bitwise(

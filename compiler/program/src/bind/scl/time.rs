@@ -248,6 +248,10 @@ impl SclBinder<'_, '_> {
                 Value::Constant(Constant::Integer { .. }, _) if matches!(ty, Time | Ltime) => {
                     return self.convert(ctx, value, *ty).map(Value::Elementary);
                 }
+                // The conversion is written, so the IEC check has nothing against it.
+                Value::Constant(Constant::Typed { ty, bits }, span) if ctx.scope.strict => {
+                    Expr { kind: ExprKind::Const(bits), ty, span }
+                }
                 Value::Constant(..) => return Some(value),
                 Value::Elementary(expr) => expr,
                 other => return self.converted_date(ctx, other, to, span),
