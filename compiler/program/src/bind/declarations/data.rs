@@ -12,7 +12,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::path::{Base, Variable};
 use crate::bind::declarations::typed::{StructBuilder, Typed, TypedStruct, Use};
-use crate::bind::trees::{blocks, mentions};
+use crate::bind::trees::blocks;
+use crate::bind::trees::mentions::{self, Called};
 use plcc_abi::{any, layout};
 use plcc_binding::fold;
 use plcc_model::layout::{bytes as layout_bytes, same_type};
@@ -484,9 +485,21 @@ impl Declarations<'_> {
         }
     }
 
-    /// The first instance of each block that a source defines and none of `calls` names.
+    /// The first instance of each block that a source defines, and that no call names: none of `calls`, and none of another form.
     fn unnamed_instances(&self, calls: &[InstanceCall]) -> FxHashMap<BlockKey, (u16, Span)> {
-        let named: FxHashSet<u16> = calls.iter().map(|call| call.instance).collect();
+        let mut named: FxHashSet<u16> = calls.iter().map(|call| call.instance).collect();
+        for block in self.globals.input.units.iter().flat_map(|(_, unit)| &unit.blocks) {
+            let ast::Block::Code(code) = block else { continue };
+            let of_calls = mentions::data_of_calls(&code.code);
+            named.extend(of_calls.into_iter().filter_map(|data| match data {
+                Called::Number(BlockPrefix::Db | BlockPrefix::Di, number) => u16::try_from(number).ok(),
+                Called::Number(..) => None,
+                Called::Name(name) => match self.type_block(&name) {
+                    Some((BlockPrefix::Db, number)) => Some(number),
+                    Some(_) | None => None,
+                },
+            }));
+        }
         let mut unnamed: FxHashMap<BlockKey, (u16, Span)> = FxHashMap::default();
         for (number, db) in &self.data.blocks {
             let Some(key) = db.block.instance_of.filter(|_| !named.contains(number)) else { continue };

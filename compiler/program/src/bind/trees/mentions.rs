@@ -173,11 +173,7 @@ pub struct CallOfBlock {
 
 /// Calls of blocks by number or name, in all languages. If it is called with an instance, the block.
 pub fn calls_of_blocks(code: &Code, found: &mut Vec<CallOfBlock>) {
-    let lists: Vec<&ast::Statement> = match code {
-        Code::Stl(networks) => networks.iter().flat_map(|network| &network.statements).collect(),
-        Code::Scl(_) | Code::Graphic(_) | Code::Chart(_) => stl_statements(code).collect(),
-    };
-    for statement in lists {
+    for statement in listed(code) {
         let (target, formals) = match &statement.kind {
             StatementKind::Call(call) => {
                 (&call.target, call.parameters.iter().map(|parameter| parameter.name.clone()).collect())
@@ -192,16 +188,7 @@ pub fn calls_of_blocks(code: &Code, found: &mut Vec<CallOfBlock>) {
             | StatementKind::Pragma(_)
             | StatementKind::Error => continue,
         };
-        let target = match &target.kind {
-            OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => Called::Number(*prefix, *number),
-            OperandKind::Block(BlockName::Symbol { name, .. }) => Called::Name(name.clone()),
-            OperandKind::Path(ast::Path { root: ast::PathRoot::Quoted { name, .. }, parts, .. })
-                if parts.is_empty() =>
-            {
-                Called::Name(name.clone())
-            }
-            _ => continue,
-        };
+        let Some(target) = block_of(&target.kind) else { continue };
         found.push(CallOfBlock { target, formals, by_place: false });
     }
     if let Code::Graphic(body) = code {
@@ -234,6 +221,59 @@ pub fn calls_of_blocks(code: &Code, found: &mut Vec<CallOfBlock>) {
             found.push(CallOfBlock { target, formals: named.map(|name| name.text.clone()).collect(), by_place });
         }
     });
+}
+
+/// What `"Db"(…)` calls, what blocks get as parameters, `m := "Db"`, and what is opened for `UC FB 1`, `OPN DI 11`; blocks of other kinds
+/// are among them.
+pub fn data_of_calls(code: &Code) -> Vec<Called> {
+    let mut calls = Vec::new();
+    calls_of_blocks(code, &mut calls);
+    let mut found: Vec<Called> = calls.into_iter().map(|call| call.target).collect();
+    expressions(code, &mut |value| {
+        if let scl::ExprKind::Call { arguments, .. } = &value.kind {
+            found.extend(arguments.iter().filter_map(|argument| argument.value.as_ref()).filter_map(called));
+        }
+    });
+    for statement in listed(code) {
+        match &statement.kind {
+            StatementKind::Instruction { operand: Some(operand), .. } => {
+                if let OperandKind::Block(BlockName::Numbered { prefix: prefix @ BlockPrefix::Di, number, .. }) =
+                    &operand.kind
+                {
+                    found.push(Called::Number(*prefix, *number));
+                }
+            }
+            StatementKind::Call(call) => {
+                let actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
+                found.extend(actuals.filter_map(|operand| block_of(&operand.kind)));
+            }
+            StatementKind::Instruction { operand: None, .. }
+            | StatementKind::Empty
+            | StatementKind::Pragma(_)
+            | StatementKind::Error => {}
+        }
+    }
+    found
+}
+
+/// The statements of STL in a block of any language.
+fn listed(code: &Code) -> Vec<&ast::Statement> {
+    match code {
+        Code::Stl(networks) => networks.iter().flat_map(|network| &network.statements).collect(),
+        Code::Scl(_) | Code::Graphic(_) | Code::Chart(_) => stl_statements(code).collect(),
+    }
+}
+
+/// The block that an operand of STL is.
+fn block_of(operand: &OperandKind) -> Option<Called> {
+    match operand {
+        OperandKind::Block(BlockName::Numbered { prefix, number, .. }) => Some(Called::Number(*prefix, *number)),
+        OperandKind::Block(BlockName::Symbol { name, .. }) => Some(Called::Name(name.clone())),
+        OperandKind::Path(ast::Path { root: ast::PathRoot::Quoted { name, .. }, parts, .. }) if parts.is_empty() => {
+            Some(Called::Name(name.clone()))
+        }
+        _ => None,
+    }
 }
 
 /// The block that the callee of a graphic call is.
