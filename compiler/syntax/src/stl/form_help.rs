@@ -69,10 +69,14 @@ pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
             let load = insn.mnemonic(set);
             let (sign, number) = after.split_at_checked(1)?;
             let number = number.trim();
+            // `+ 5` adds to the low word alone, so that it would lose the carry.
+            let is_double = matches!(tokens, [.., (_, Tok::Area(_, Width::Dword), _), (_, Tok::Address(_), _)]);
+            let long = if is_double || number.parse::<i16>().is_err() { "L#" } else { "" };
             match sign {
                 "+" | "-" if number.contains('.') => Some(format!("write `{load} {number}`, then `{sign}R`")),
-                "+" => Some(format!("write `+ {number}` on the next line")),
-                "-" => Some(format!("write `+ -{number}` on the next line")),
+                _ if number.bytes().any(|digit| !digit.is_ascii_digit()) => None,
+                "+" => Some(format!("write `+ {long}{number}` on the next line")),
+                "-" => Some(format!("write `+ {long}-{number}` on the next line")),
                 _ => None,
             }
         }
