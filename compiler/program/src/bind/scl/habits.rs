@@ -182,8 +182,8 @@ impl SclBinder<'_, '_> {
             "MOVE" => {
                 pin("OUT").or_else(|| pin("OUT1")).zip(pin("IN")).map(|(target, value)| format!("{target} := {value};"))
             }
-            "IN_RANGE" => range().map(|(low, value, high)| format!("{low} <= {value} AND {value} <= {high}")),
-            "OUT_RANGE" => range().map(|(low, value, high)| format!("{value} < {low} OR {value} > {high}")),
+            "IN_RANGE" => range().map(|(low, value, high)| format!("({low} <= {value} AND {value} <= {high})")),
+            "OUT_RANGE" => range().map(|(low, value, high)| format!("({value} < {low} OR {value} > {high})")),
             "INC" => pin("IN_OUT").map(|count| format!("{count} := {count} + 1;")),
             "DEC" => pin("IN_OUT").map(|count| format!("{count} := {count} - 1;")),
             _ => None,

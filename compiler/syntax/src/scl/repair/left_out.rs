@@ -75,7 +75,7 @@ impl Repair<'_> {
         let is_in = |word: &RawToken| self.slice(*word).eq_ignore_ascii_case("IN") && !self.is_declared("IN");
         if at > 1 && self.kind(at + 1) == Some(RawKind::DotDot) && self.tokens.get(at - 1).is_some_and(is_in) {
             let ((value, low), high) = (self.sides(at - 1, at), self.words(at + 2, at + 2));
-            let help = format!("write `{value} >= {low} AND {value} <= {high}`");
+            let help = format!("write `({value} >= {low} AND {value} <= {high})`");
             self.report(at - 1, at, "SCL has no IN".to_owned(), "a form of other languages", help);
             self.replace(self.operand_start(at - 1), end, RawKind::Reported, None);
             return true;
