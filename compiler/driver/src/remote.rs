@@ -337,15 +337,19 @@ impl Reader {
     fn is_reference(&mut self, table: RemoteTable, key: &Spanned<i64>) -> bool {
         let number = *key.get_ref();
         let Some((word, address)) = address_of_reference(table, number) else { return false };
+        let can_be_address = number <= 0xFFFF;
+        // Manuals have reference numbers in decimal digits: `0x9C41` is an address. The registers of SunSpec are from 40000 on.
+        if can_be_address && key.span().len() != number.to_string().len() {
+            return false;
+        }
         let title = format!("{number} looks like a reference number, as manuals of devices have it");
         let help = format!("write `{word} = {address}`, the address of that element: addresses begin at 0");
         let mut message = Diagnostic::new(Code::Project, Span::new(self.file, key.span()), title);
-        let can_be_address = number <= 0xFFFF;
         if can_be_address {
             message.severity = Severity::Warning;
         }
         self.diagnostics.push(message.help(match can_be_address {
-            true => format!("{help}; leave {number} if it is the address itself"),
+            true => format!("{help}; if {number} is the address itself, write `{word} = 0x{number:X}`"),
             false => help,
         }));
         !can_be_address
@@ -503,13 +507,15 @@ mod tests {
         };
         let write = |what: &str| format!("write `{what}`, the address of that element: addresses begin at 0");
         let warning = |what: &str, number: u32| {
-            vec![(false, format!("{}; leave {number} if it is the address itself", write(what)))]
+            let word = what.split(' ').next().unwrap_or_default();
+            let own = format!("if {number} is the address itself, write `{word} = 0x{number:X}`");
+            vec![(false, format!("{}; {own}", write(what)))]
         };
         assert_eq!(told("holding = 40001"), warning("holding = 0", 40001));
         assert_eq!(told("input = 30011"), warning("input = 10", 30011));
         assert_eq!(told("discrete = 10001"), warning("discrete = 0", 10001));
         assert_eq!(told("holding = 400123"), [(true, write("holding = 122"))]);
-        for good in ["holding = 30001", "holding = 40000", "input = 40001", "holding = 1"] {
+        for good in ["holding = 30001", "holding = 40000", "input = 40001", "holding = 1", "holding = 0x9C41"] {
             assert_eq!(told(good), [], "{good}");
         }
     }
