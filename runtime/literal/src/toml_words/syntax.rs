@@ -58,7 +58,13 @@ pub fn syntax(message: &str, place: &str, line: &str) -> Wrong {
     if message.contains("leading zero") {
         let value = line.split_once('=').map_or(place, |(_, value)| value).split('#').next().unwrap_or_default().trim();
         let title = "a number has no zeros before it";
+        // Manuals count coils from 00001 on, which has the address 0.
+        let is_reference = key == "coils" && matches!(value.len(), 5 | 6);
         return match value.parse::<u64>() {
+            Ok(number @ 1..) if is_reference => {
+                let address = number - 1;
+                wrong(title, format!("write `coils = {address}`, the address of coil {value}: addresses begin at 0"))
+            }
             Ok(number) => wrong(title, format!("write `{key} = {number}`")),
             Err(_) => wrong(title, "write the number without them".to_owned()),
         };

@@ -36,7 +36,9 @@ fn the_interval_of_retentive_data_has_a_unit() {
 #[test]
 fn numbers_have_no_zeros_before_them() {
     let title = "a number has no zeros before it";
-    same("unexpected leading zero", "coils = 00001", title, "write `coils = 1`");
+    let coil = "write `coils = 0`, the address of coil 00001: addresses begin at 0";
+    same("unexpected leading zero", "coils = 00001", title, coil);
+    same("unexpected leading zero", "coils = 01", title, "write `coils = 1`");
     same("unexpected leading zero", "raw = [00, 5]", title, "write the number without them");
 }
 
