@@ -1,5 +1,7 @@
 //! What can be written at a place, and the parameters of the call around it.
 
+use std::ops::Range;
+
 use lsp_types::{
     CompletionItem, CompletionItemKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation,
 };
@@ -12,7 +14,7 @@ use plcc_syntax::{Elementary, Language, s7200};
 
 use crate::chart::Component;
 use crate::constants::{self, Constant};
-use crate::facts::same;
+use crate::facts::{FunctionFacts, ParameterFacts};
 use crate::index::{Declared, Entry, Index};
 use crate::labels;
 use crate::names::{Meaning, along, callee_around, open_bracket, part_before, values_before};
@@ -98,6 +100,7 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             let keywords = Keyword::ALL.iter().filter(|word| word.is_in_statements()).map(|word| word.word());
             items.extend(keywords.chain(REGION).map(|word| item(word, CompletionItemKind::KEYWORD, "")));
             items.extend(locals(index, entry));
+            items.extend(index.checked.facts.functions.iter().map(function));
         }
         Language::Sd if in_rung(words, first) && matches!(before, "(" | ",") => items.extend(pins(words, first)),
         Language::Sd if in_rung(words, first) => {
@@ -198,6 +201,11 @@ fn variable(index: &Index, (direction, variable): Declared) -> CompletionItem {
     }
 }
 
+fn function(function: &FunctionFacts) -> CompletionItem {
+    let parameters: Vec<String> = function.parameters.iter().map(ParameterFacts::text).collect();
+    item(&function.name, CompletionItemKind::FUNCTION, &format!("({})", parameters.join(", ")))
+}
+
 /// Variables and constants of a block.
 fn locals(index: &Index, entry: Option<Entry>) -> Vec<CompletionItem> {
     let Some(entry) = entry else { return Vec::new() };
@@ -247,20 +255,16 @@ fn parameters(index: &Index, words: &Words, file: FileId, at: usize) -> Vec<Comp
     let given: Vec<&str> =
         (open..at).filter(|&at| matches!(words.word(at + 1), ":=" | "=>")).map(|at| bare(words.word(at))).collect();
     let stl = words.language(open.min(words.pieces.len().saturating_sub(1))) == Language::Stl;
-    let row = |(name, direction, ty): (String, &'static str, String)| {
-        let sign = if direction == "OUT" && !stl { "=>" } else { ":=" };
-        CompletionItem {
+    let row = |one: &ParameterFacts| {
+        let name = one.name_after(&given)?;
+        let sign = if one.direction == "OUT" && !stl { "=>" } else { ":=" };
+        Some(CompletionItem {
             insert_text: Some(format!("{name} {sign} ")),
             sort_text: Some(format!(" {name}")),
-            ..item(&name, CompletionItemKind::FIELD, &format!("{ty} {direction}"))
-        }
+            ..item(&name, CompletionItemKind::FIELD, format!("{} {}", one.ty, one.direction).trim_start())
+        })
     };
-    callee
-        .parameters(index)
-        .into_iter()
-        .filter(|(name, ..)| !given.iter().any(|own| same(own, name)))
-        .map(row)
-        .collect()
+    callee.parameters(index).iter().filter_map(row).collect()
 }
 
 /// The parameters of the call around a byte.
@@ -269,14 +273,33 @@ pub fn signature(index: &Index, words: &Words, file: FileId, byte: usize) -> Opt
     let open = open_bracket(words, at)?;
     let callee = callee_around(index, words, file, open + 1)?;
     let rows = callee.parameters(index);
-    let texts: Vec<String> = rows.iter().map(|(name, direction, ty)| format!("{name} : {ty} {direction}")).collect();
-    let named = (open..at).rev().find(|&at| matches!(words.word(at + 1), ":=" | "=>")).map(|at| bare(words.word(at)));
+    let texts: Vec<String> = rows.iter().map(ParameterFacts::text).collect();
+    let own = directly_in(words, open..at);
+    let named = own.iter().rev().find(|&&at| matches!(words.word(at + 1), ":=" | "=>")).map(|&at| bare(words.word(at)));
     let after_comma = at.checked_sub(1).is_some_and(|before| words.word(before) == ",");
     let active = match named {
-        Some(name) if !after_comma => rows.iter().position(|(own, ..)| same(own, name)),
-        _ => Some((open..at).filter(|&at| words.word(at) == ",").count()),
+        Some(name) if !after_comma => rows.iter().position(|row| row.is_called(name)),
+        _ => {
+            let commas = own.iter().filter(|&&at| words.word(at) == ",").count();
+            // Each further value is one more of the numbered ones.
+            Some(rows.iter().position(|row| row.is_numbered).map_or(commas, |numbered| commas.min(numbered)))
+        }
     };
     Some(help(format!("{}({})", callee.name(), texts.join(", ")), &texts, active))
+}
+
+/// The pieces of a range that begins with a bracket, without those in brackets in it: in `MAX(LIMIT(1, 2, 3), 4`, one comma.
+fn directly_in(words: &Words, range: Range<usize>) -> Vec<usize> {
+    let mut depth = 0usize;
+    let is_own = |at: &usize| {
+        match words.word(*at) {
+            "(" | "[" => depth += 1,
+            ")" | "]" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 1
+    };
+    range.filter(is_own).collect()
 }
 
 /// The parameters of a call, with the number of the one at the cursor.

@@ -1,14 +1,17 @@
-//! What binding found out and an editor shows: types and addresses.
+//! What binding found out and an editor shows: types and addresses; and the functions of SCL.
 
 use plcc_model::layout;
 use plcc_model::types::{DataType, Member};
 use plcc_model::{Direction, Program};
+use plcc_syntax::Elementary;
 
 /// Blocks and data with their addresses.
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
     pub blocks: Vec<BlockFacts>,
     pub data: Vec<DataFacts>,
+    /// The functions of SCL.
+    pub functions: Vec<FunctionFacts>,
 }
 
 /// The interface of a block.
@@ -23,12 +26,59 @@ pub struct BlockFacts {
     pub instance: Vec<Value>,
 }
 
-/// A parameter of a block.
+/// A function of SCL.
 #[derive(Clone, Debug)]
+pub struct FunctionFacts {
+    pub name: String,
+    pub parameters: Vec<ParameterFacts>,
+    /// The name may carry a type: `LIMIT_INT`.
+    pub is_typed: bool,
+}
+
+/// A parameter of a block or a function.
+#[derive(Clone, Debug, Default)]
 pub struct ParameterFacts {
     pub name: String,
+    /// Other spellings of the name.
+    pub also: Vec<String>,
     pub direction: &'static str,
+    /// Empty: each that fits.
     pub ty: String,
+    /// Others with the next numbers may follow: IN1, IN2, …
+    pub is_numbered: bool,
+    pub is_optional: bool,
+}
+
+impl ParameterFacts {
+    /// `speed : INT IN`; of functions `IN`, `IN1 …`, `Q OUT`.
+    pub fn text(&self) -> String {
+        let more = if self.is_numbered { " …" } else { "" };
+        match (self.ty.as_str(), self.direction) {
+            ("", "IN") => format!("{}{more}", self.name),
+            ("", direction) => format!("{}{more} {direction}", self.name),
+            (ty, direction) => format!("{}{more} : {ty} {direction}", self.name),
+        }
+    }
+
+    /// Whether it, or one of its numbers, has this name.
+    pub fn is_called(&self, name: &str) -> bool {
+        if self.is_numbered {
+            let stem = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).to_owned();
+            return name.ends_with(|c: char| c.is_ascii_digit()) && same(&stem(name), &stem(&self.name));
+        }
+        same(&self.name, name) || self.also.iter().any(|own| same(own, name))
+    }
+
+    /// Its name, or the next of its numbers, in a call that has some parameters already.
+    pub fn name_after(&self, given: &[&str]) -> Option<String> {
+        let is_given = |name: &str| given.iter().any(|own| same(own, name));
+        if !self.is_numbered {
+            return (!given.iter().any(|own| self.is_called(own))).then(|| self.name.clone());
+        }
+        let stem = self.name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let first: usize = self.name[stem.len()..].parse().ok()?;
+        (first..=first + given.len()).map(|number| format!("{stem}{number}")).find(|name| !is_given(name))
+    }
 }
 
 /// A data block.
@@ -74,6 +124,7 @@ impl Facts {
                         Direction::InOut => "IN_OUT",
                     },
                     ty: layout::type_name(&parameter.ty),
+                    ..ParameterFacts::default()
                 })
                 .collect(),
             instance: values(&block.interface.instance, DEPTH_MAX),
@@ -84,12 +135,22 @@ impl Facts {
             instance_of: db.instance_of.map(|block| block.to_string()).unwrap_or_default(),
             members: values(&db.members, DEPTH_MAX),
         });
-        Facts { blocks: blocks.collect(), data: data.collect() }
+        Facts { blocks: blocks.collect(), data: data.collect(), functions: Vec::new() }
     }
 
     /// The block that is called `name`, or has the key `FC 1`.
     pub fn block(&self, name: &str) -> Option<&BlockFacts> {
         self.blocks.iter().find(|block| same(&block.name, name) || block.key == name)
+    }
+
+    /// The function of SCL with a name, which may carry a type.
+    pub fn function(&self, name: &str) -> Option<&FunctionFacts> {
+        let find = |name: &str| self.functions.iter().find(|function| same(&function.name, name));
+        find(name).or_else(|| {
+            let (base, suffix) = name.rsplit_once('_')?;
+            Elementary::from_word(&suffix.to_ascii_uppercase())?;
+            find(base).filter(|function| function.is_typed)
+        })
     }
 
     /// The data block that is called `name` or `DB1`.

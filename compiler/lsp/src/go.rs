@@ -60,6 +60,7 @@ pub fn references(index: &Index, texts: &Texts, (wanted, name): &(Meaning, Strin
         Meaning::Variable { .. }
         | Meaning::Block(_)
         | Meaning::Library(_)
+        | Meaning::Function(_)
         | Meaning::Constant(_)
         | Meaning::Label(_)
         | Meaning::Chart(_)
@@ -184,7 +185,7 @@ pub fn rename(index: &Index, texts: &Texts, wanted: &Meaning, to: &str) -> Resul
         },
         Meaning::Chart(part) if part.name().is_empty() => return Err("this has only a number".to_owned()),
         Meaning::Chart(part) => part.name().to_owned(),
-        Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => {
+        Meaning::Library(_) | Meaning::Function(_) | Meaning::Address(_) | Meaning::Word(_) => {
             let names = "blocks, variables, constants, labels, steps, transitions and symbols";
             return Err(format!("only names of {names} can change"));
         }

@@ -7,7 +7,7 @@ use plcc_syntax::{Language, s7200};
 
 use crate::address::{self, Address};
 use crate::constants::Constant;
-use crate::facts;
+use crate::facts::{self, ParameterFacts};
 use crate::index::{Entry, Index};
 use crate::names::{Callee, Meaning, meaning, part_before, values_before};
 use crate::network;
@@ -42,6 +42,10 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
             let callee = Callee::Library(found);
             Some(format!("{}{}\n", code(&callee.name()), parameters(index, &callee)))
         }
+        Meaning::Function(found) => {
+            let callee = Callee::Function(found);
+            Some(format!("{}{}\n", code(&callee.name()), parameters(index, &callee)))
+        }
         Meaning::Symbol(symbol) => Some(symbol_text(symbol)),
         Meaning::Constant(constant) => Some(constant_text(index, constant)),
         Meaning::Chart(part) => {
@@ -61,6 +65,7 @@ pub fn row(index: &Index, found: &Meaning) -> Option<String> {
         Meaning::Constant(constant) => Some(constant_text(index, *constant)),
         Meaning::Variable { .. }
         | Meaning::Library(_)
+        | Meaning::Function(_)
         | Meaning::Chart(_)
         | Meaning::Label(_)
         | Meaning::Address(_)
@@ -89,7 +94,12 @@ fn block(index: &Index, entry: Entry) -> String {
 
 fn parameters(index: &Index, callee: &Callee) -> String {
     let rows = callee.parameters(index);
-    let row = |(name, direction, ty): &(String, &str, String)| format!("- `{name}` {direction} {ty}\n");
+    let row = |one: &ParameterFacts| {
+        let more = if one.is_numbered { " …" } else { "" };
+        let optional = if one.is_optional { ", may be missing" } else { "" };
+        let kind = format!("{} {}", one.direction, one.ty);
+        format!("- `{}`{more} {}{optional}\n", one.name, kind.trim_end())
+    };
     rows.iter().map(row).collect()
 }
 

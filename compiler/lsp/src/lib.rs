@@ -40,7 +40,7 @@ use plcc_diag::{Diagnostic, FileId, SourceMap};
 use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::symbols::SymbolTable;
 
-pub use facts::Facts;
+pub use facts::{Facts, FunctionFacts, ParameterFacts};
 pub use server::serve;
 pub use values::{StringForm, ValueName, ValuePart};
 

@@ -8,7 +8,7 @@ use plcc_syntax::symbols::{Symbol, SymbolTarget};
 use crate::address::{self, Address};
 use crate::chart;
 use crate::constants::{self, Constant};
-use crate::facts::{self, BlockFacts, DataFacts, Value, same};
+use crate::facts::{self, BlockFacts, DataFacts, FunctionFacts, ParameterFacts, Value, same};
 use crate::index::{Declared, Entry, Index, numbered};
 use crate::labels::{self, Label};
 use crate::role::{self, Role};
@@ -25,6 +25,8 @@ pub enum Meaning<'c> {
     Block(Entry<'c>),
     /// A block of the library.
     Library(&'c BlockFacts),
+    /// A function of SCL.
+    Function(&'c FunctionFacts),
     Symbol(&'c Symbol),
     Constant(Constant<'c>),
     Label(Label<'c>),
@@ -45,7 +47,7 @@ impl Meaning<'_> {
             Meaning::Constant(constant) => Some(constant.span()),
             Meaning::Label(label) => Some(label.span),
             Meaning::Chart(part) => Some(part.span()),
-            Meaning::Library(_) | Meaning::Address(_) | Meaning::Word(_) => None,
+            Meaning::Library(_) | Meaning::Function(_) | Meaning::Address(_) | Meaning::Word(_) => None,
         }
     }
 }
@@ -113,12 +115,44 @@ pub fn meaning<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) ->
         Role::Declaration => in_declaration(index, entry, &names),
         Role::Word => None,
     };
+    if let Some(function) = function(index, words, at, found.as_ref()) {
+        return Some(Meaning::Function(function));
+    }
     if found.is_some() {
         return found;
     }
     let mnemonic = !word.starts_with(['#', '"']) && names.len() == 1 && !local;
     let of_line = || mnemonic_of_line(words, at).filter(|_| words.language(at) == Language::S7200);
     mnemonic.then(|| Meaning::Word(of_line().unwrap_or_else(|| mnemonic_at(words, at))))
+}
+
+/// The function of SCL that a piece calls. What else has its name goes before it only if it can be called, and blocks of the library do not.
+fn function<'c>(index: &Index<'c>, words: &Words, at: usize, found: Option<&Meaning>) -> Option<&'c FunctionFacts> {
+    let is_taken = match found {
+        Some(Meaning::Variable { .. } | Meaning::Block(_)) => true,
+        Some(Meaning::Symbol(symbol)) => matches!(symbol.target, SymbolTarget::Block { .. }),
+        Some(
+            Meaning::Library(_)
+            | Meaning::Function(_)
+            | Meaning::Constant(_)
+            | Meaning::Label(_)
+            | Meaning::Chart(_)
+            | Meaning::Address(_)
+            | Meaning::Word(_),
+        )
+        | None => false,
+    };
+    let can_call = match words.language(at) {
+        Language::Scl | Language::Graph => true,
+        Language::Sd => !role::in_rung(words, at),
+        Language::Stl | Language::S7200 => false,
+    };
+    let word = words.word(at);
+    let is_part = at.checked_sub(1).is_some_and(|before| matches!(words.word(before), "." | "#"));
+    if is_taken || !can_call || is_part || word.starts_with(['#', '"']) || words.word(at + 1) != "(" {
+        return None;
+    }
+    index.checked.facts.function(word)
 }
 
 /// The variables that a block calls by their names alone; the values of a data block are those of its type.
@@ -174,6 +208,7 @@ pub fn values_before<'c>(index: &Index<'c>, words: &Words, file: FileId, point: 
         Meaning::Variable { path, owner, .. } => Some(&value_of(index, owner?, &path)?.members),
         Meaning::Block(entry) => Some(&data_facts(index, entry)?.members),
         Meaning::Library(_)
+        | Meaning::Function(_)
         | Meaning::Symbol(_)
         | Meaning::Constant(_)
         | Meaning::Label(_)
@@ -328,13 +363,14 @@ fn mnemonic_at(words: &Words, at: usize) -> String {
 pub enum Callee<'c> {
     Source(Entry<'c>),
     Library(&'c BlockFacts),
+    Function(&'c FunctionFacts),
 }
 
 impl<'c> Callee<'c> {
     pub fn entry(&self) -> Option<Entry<'c>> {
         match self {
             Callee::Source(entry) => Some(*entry),
-            Callee::Library(_) => None,
+            Callee::Library(_) | Callee::Function(_) => None,
         }
     }
 
@@ -344,18 +380,20 @@ impl<'c> Callee<'c> {
         all.into_iter().filter(|(direction, _)| matches!(*direction, "IN" | "OUT" | "IN_OUT")).collect()
     }
 
-    /// Name, direction and type of each parameter.
-    pub fn parameters(&self, index: &Index<'c>) -> Vec<(String, &'static str, String)> {
+    /// The parameters, in order.
+    pub fn parameters(&self, index: &Index<'c>) -> Vec<ParameterFacts> {
         match self {
             Callee::Source(_) => {
-                let text =
-                    |(direction, variable): Declared| (variable.name.clone(), direction, index.type_text(&variable.ty));
-                self.variables(index).into_iter().map(text).collect()
+                let declared = |(direction, variable): Declared<'c>| ParameterFacts {
+                    name: variable.name.clone(),
+                    direction,
+                    ty: index.type_text(&variable.ty),
+                    ..ParameterFacts::default()
+                };
+                self.variables(index).into_iter().map(declared).collect()
             }
-            Callee::Library(facts) => {
-                let text = |one: &crate::facts::ParameterFacts| (one.name.clone(), one.direction, one.ty.clone());
-                facts.parameters.iter().map(text).collect()
-            }
+            Callee::Library(facts) => facts.parameters.clone(),
+            Callee::Function(facts) => facts.parameters.clone(),
         }
     }
 
@@ -364,6 +402,7 @@ impl<'c> Callee<'c> {
             Callee::Source(entry) => entry.text(),
             Callee::Library(facts) if facts.name.is_empty() => facts.key.clone(),
             Callee::Library(facts) => facts.name.clone(),
+            Callee::Function(facts) => facts.name.clone(),
         }
     }
 }
@@ -415,7 +454,13 @@ fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> O
         [_, .., last] if words.language(at) == Language::Scl => index.checked.facts.block(last).map(Meaning::Library),
         [..] => None,
     };
-    let found = along(index, index.around(file, words.range(at).start), &names, local);
+    // `LIMIT(` beside a variable `limit`.
+    let entry = index.around(file, words.range(at).start);
+    let entry = entry.filter(|_| role::of(index, entry, words, first) != Role::Global);
+    let found = along(index, entry, &names, local);
+    if let Some(function) = function(index, words, at, found.as_ref()) {
+        return Some(Callee::Function(function));
+    }
     match found.or_else(instruction)? {
         Meaning::Block(entry) => Some(called(index, entry)),
         Meaning::Library(facts) => Some(Callee::Library(facts)),
@@ -439,7 +484,12 @@ fn callee_at<'c>(index: &Index<'c>, words: &Words, file: FileId, at: usize) -> O
             let ty = index.type_text(ty);
             index.checked.facts.block(bare(ty.trim_end_matches(';').trim())).map(Callee::Library)
         }
-        Meaning::Constant(_) | Meaning::Label(_) | Meaning::Chart(_) | Meaning::Address(_) | Meaning::Word(_) => None,
+        Meaning::Function(_)
+        | Meaning::Constant(_)
+        | Meaning::Label(_)
+        | Meaning::Chart(_)
+        | Meaning::Address(_)
+        | Meaning::Word(_) => None,
     }
 }
 

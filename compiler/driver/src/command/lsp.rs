@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lsp_server::Connection;
-use plcc_lsp::{Checked, Facts, Host, Open};
+use plcc_lsp::{Checked, Facts, FunctionFacts, Host, Open, ParameterFacts};
+use plcc_model::Program;
+use plcc_program::tables::scl::{Parameter, Rules, Signature, signatures};
 
 use crate::command::exit;
 use crate::pipeline::{self, Settings};
@@ -43,11 +45,34 @@ impl Host for Files {
         let parsed = pipeline::parse(read, &settings);
         let (units, tables) = (parsed.units.clone(), parsed.tables.clone());
         let bound = pipeline::bind(parsed, &settings);
-        let facts = Facts::of(&bound.program);
+        let facts = Facts { functions: functions(&bound.program), ..Facts::of(&bound.program) };
         let mut sources = bound.sources;
         let made = sources.files().filter(|(_, source)| source.name.ends_with(inputs::AXES_ENDING));
         let made = made.map(|(file, _)| file).collect();
         let values = value_names::read(root, open, &tables, &mut sources);
         Checked { sources, units, tables, facts, diagnostics: bound.diagnostics, values, made }
+    }
+}
+
+/// The functions of SCL that the CPU of a program has.
+fn functions(program: &Program) -> Vec<FunctionFacts> {
+    let rules = if program.profile.family.is_portal() { Rules::Tia1500 } else { Rules::Classic };
+    let function = |one: Signature| FunctionFacts {
+        name: one.name,
+        parameters: one.parameters.into_iter().map(parameter).collect(),
+        is_typed: one.is_typed,
+    };
+    signatures(rules).into_iter().map(function).collect()
+}
+
+fn parameter(one: Parameter) -> ParameterFacts {
+    let mut names = one.names.into_iter().map(str::to_owned);
+    ParameterFacts {
+        name: names.next().unwrap_or_default(),
+        also: names.collect(),
+        direction: if one.is_output { "OUT" } else { "IN" },
+        ty: one.ty.map(|ty| ty.name().to_owned()).unwrap_or_default(),
+        is_numbered: one.is_numbered,
+        is_optional: one.is_optional,
     }
 }

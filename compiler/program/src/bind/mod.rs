@@ -40,7 +40,7 @@ pub use trees::chart_data::expanded as with_chart_data;
 pub use trees::cpu::{implied_profile, is_s7200, runs};
 pub use trees::numbering::block_of_file;
 
-/// Tables of the languages, from which their reference pages are printed.
+/// Tables of the languages, for reference pages and editors.
 pub mod tables {
     /// Functions and conversions of SCL.
     pub mod scl {
@@ -48,6 +48,7 @@ pub mod tables {
         pub use crate::bind::scl::convert::{Implicit, implicit, on_300};
         pub use crate::bind::scl::function::{FUNCTIONS, Kind, NAMING, Row, TextNumber};
         pub use crate::bind::scl::naming::Naming;
+        pub use crate::bind::scl::signature::{Parameter, Signature, signatures};
         pub use crate::bind::scl::variant::Question;
     }
 

@@ -260,6 +260,37 @@ fn values_and_parameters_of_timers_are_known() {
     assert!(labels(&found).contains(&"ET") && !labels(&found).contains(&"IN"), "{found}");
 }
 
+/// Also beside a variable with the name of the function.
+#[test]
+fn functions_of_scl_are_known() {
+    let mut editor = Editor::new("alike");
+    editor.open("line.scl");
+    editor.messages("line.scl");
+    let found = editor.at("textDocument/hover", "line.scl", "LI|MIT(MN := 0");
+    assert_eq!(found["contents"]["value"], json!("```plc\nLIMIT\n```\n- `MN` IN\n- `IN` IN\n- `MX` IN\n\n"));
+    let found = editor.at("textDocument/signatureHelp", "line.scl", "LIMIT(MN := 0, IN := |#in");
+    assert_eq!(found["signatures"][0]["label"], json!("LIMIT(MN, IN, MX)"), "{found}");
+    assert_eq!(found["activeParameter"], json!(1));
+    let found = editor.at("textDocument/completion", "line.scl", "#limit := |LIMIT(MN");
+    for name in ["LIMIT", "SIN", "SCALE_X", "LINT_TO_INT", "limit"] {
+        assert!(labels(&found).contains(&name), "{name} is not in {found}");
+    }
+    let found = editor.at("textDocument/completion", "line.scl", "IN := #in, |MX := 9");
+    assert!(labels(&found).contains(&"MX") && !labels(&found).contains(&"MN"), "{found}");
+    let mut editor = Editor::new("tags");
+    editor.open("main.scl");
+    editor.messages("main.scl");
+    for (piece, label) in
+        [("DINT_TO_INT(#wide), IN3 := |3", "MAX(IN1 …)"), ("DINT_TO_INT(|#wide", "DINT_TO_INT(IN : DINT IN)")]
+    {
+        let found = editor.at("textDocument/signatureHelp", "main.scl", piece);
+        assert_eq!(found["signatures"][0]["label"], json!(label), "{found}");
+        assert_eq!(found["activeParameter"], json!(0), "{piece}");
+    }
+    let found = editor.at("textDocument/completion", "main.scl", "MAX(IN1 := #level, |IN2");
+    assert!(labels(&found).contains(&"IN2") && !labels(&found).contains(&"IN1"), "{found}");
+}
+
 #[test]
 fn types_are_proposed_in_declarations() {
     for (folder, file, piece, wanted, other) in [

@@ -307,9 +307,9 @@ pub fn converted(value: Expr, conversion: Conversion, ty: Elementary) -> Expr {
     Expr { kind: ExprKind::Convert { conversion, operand: Box::new(value) }, ty, span }
 }
 
-/// Names of BCD conversions.
+/// Names of BCD conversions, with the types of argument and result.
 #[rustfmt::skip]
-const BCD: &[(&str, Elementary, Elementary)] = &[
+pub const BCD: &[(&str, Elementary, Elementary)] = &[
     ("BCD_TO_INT", Word, Int), ("WORD_BCD_TO_INT", Word, Int), ("BCD16_TO_INT", Word, Int),
     ("BCD_TO_DINT", Dword, Dint), ("DWORD_BCD_TO_DINT", Dword, Dint), ("BCD32_TO_DINT", Dword, Dint),
     ("INT_TO_BCD", Int, Word), ("INT_TO_BCD_WORD", Int, Word), ("INT_TO_BCD16", Int, Word),

@@ -152,7 +152,7 @@ fn compared_with_zero(from: Elementary, text: &str) -> String {
 }
 
 /// The name of a type in function names: `TOD_TO_DINT`.
-fn short_name(ty: Elementary) -> &'static str {
+pub(super) fn short_name(ty: Elementary) -> &'static str {
     match ty {
         Elementary::TimeOfDay => "TOD",
         other => other.name(),

@@ -9,7 +9,7 @@
 //! - `call`: calls; `callee`: what they name; `instance`: instances in them; `unknown_function`: names without a meaning; `arguments`,
 //!   `actual`, `pointer`: what they pass.
 //! - `function`: the functions of the language, one table row each; `pins`: their arguments; `number`, `timer`, `memory`, `array`, `text`:
-//!   what they compute; `known`: constants with which they cannot.
+//!   what they compute; `known`: constants with which they cannot; `signature`: what an editor shows of them.
 //! - `variant`: queries of a VARIANT.
 //! - `value`: what an expression is before its context decides on its type; `message`: messages that several of these report.
 //! - `address_numbers`: operands in charts of S7-GRAPH V5; `scope`: what is known of a block while its statements are bound.
@@ -53,6 +53,7 @@ mod reference;
 mod result;
 mod scatter;
 pub(in crate::bind) mod scope;
+pub(in crate::bind) mod signature;
 mod statement;
 pub(in crate::bind) mod temporary;
 mod text;

@@ -11,15 +11,21 @@ use plcc_binding::similar;
 
 /// A pin of a row.
 #[derive(Clone, Copy)]
-struct Pin {
-    names: &'static str,
-    optional: bool,
-    output: bool,
+pub(super) struct Pin {
+    /// Its spellings, with `|` between them.
+    pub(super) names: &'static str,
+    pub(super) optional: bool,
+    pub(super) output: bool,
     /// The first of numbered ones.
-    numbered: bool,
+    pub(super) numbered: bool,
 }
 
 impl Pin {
+    /// The pins of a function, in order.
+    pub(super) fn list(row: &Row) -> Vec<Pin> {
+        row.pins.split_whitespace().map(Pin::read).collect()
+    }
+
     fn read(word: &'static str) -> Pin {
         let (optional, word) = word.strip_prefix('?').map_or((false, word), |rest| (true, rest));
         let (output, word) = word.strip_prefix('>').map_or((false, word), |rest| (true, rest));
@@ -66,7 +72,7 @@ impl Pin {
 
 /// Whether the function has a pin of that name.
 pub fn has_pin(row: &Row, name: &str) -> bool {
-    row.pins.split_whitespace().map(Pin::read).any(|pin| pin.matches(name).is_some())
+    Pin::list(row).into_iter().any(|pin| pin.matches(name).is_some())
 }
 
 /// The input that the argument at `at`, which has no name, may be meant for: those without an argument belong to the arguments without a
@@ -120,7 +126,7 @@ impl<'n> Pins<'n> {
 impl SclBinder<'_, '_> {
     /// Assigns the arguments of a function to its pins; `None` after a message.
     pub fn pins<'n>(&mut self, ctx: &mut SclBlock, row: &Row, given: &'n [Given], name: Span) -> Option<Pins<'n>> {
-        let list: Vec<Pin> = row.pins.split_whitespace().map(Pin::read).collect();
+        let list = Pin::list(row);
         let mut pins = Pins { given: Vec::with_capacity(given.len()), name, eno: None };
         let mut good = true;
         for (at, argument) in given.iter().enumerate() {
