@@ -7,7 +7,7 @@ use plcc_readers::gr7;
 use plcc_syntax::Language;
 use plcc_syntax::ast::Block;
 use plcc_syntax::scl::keyword::Keyword;
-use plcc_syntax::symbols::SymbolTarget;
+use plcc_syntax::symbols::{Symbol, SymbolTarget};
 
 use crate::address;
 use crate::chart;
@@ -125,9 +125,9 @@ fn may_be_number(words: &Words, at: usize) -> bool {
     ["OB", "FC", "FB", "SFC", "SFB", "DB", "DI", "UDT"].iter().any(|prefix| prefix.eq_ignore_ascii_case(letters))
 }
 
-/// The places of addresses that overlap, and of their symbols.
+/// The places of addresses that overlap, and of their symbols, also in their tables.
 fn overlapping(index: &Index, texts: &Texts, wanted: &address::Address) -> Vec<Span> {
-    let symbols: Vec<&str> = index
+    let symbols: Vec<&Symbol> = index
         .checked
         .tables
         .iter()
@@ -136,9 +136,9 @@ fn overlapping(index: &Index, texts: &Texts, wanted: &address::Address) -> Vec<S
             let own = target_text(symbol.target).replace(' ', "");
             address::plain(&own).is_some_and(|own| own.overlaps(wanted))
         })
-        .map(|symbol| symbol.name.as_str())
         .collect();
-    let mut found = Vec::new();
+    let rows = symbols.iter().filter_map(|symbol| name_in_row(index, symbol.span, &symbol.name));
+    let mut found: Vec<Span> = rows.collect();
     for (file, words) in texts {
         let mut at = 0;
         while at < words.pieces.len() {
@@ -151,7 +151,7 @@ fn overlapping(index: &Index, texts: &Texts, wanted: &address::Address) -> Vec<S
                 continue;
             }
             let word = words.word(at);
-            if word.starts_with('"') && symbols.iter().any(|symbol| same(symbol, bare(word))) {
+            if word.starts_with('"') && symbols.iter().any(|symbol| same(&symbol.name, bare(word))) {
                 found.push(Span::new(*file, words.range(at)));
             }
             at += 1;

@@ -14,9 +14,9 @@ fn declarations_and_uses_are_found() {
     assert_eq!(editor.covered(&json!([found])), ["motor.scl:1 \"Motor\""]);
     let found = editor.at("textDocument/references", "main.stl", "L     #le|vel");
     assert_eq!(editor.covered(&found), ["main.stl:10 level", "main.stl:19 level", "main.stl:31 level"]);
-    // A bit of a word: the word is one of its uses.
+    // A bit of a word: the word is one of its uses, and so is the row of its symbol.
     let found = editor.at("textDocument/references", "main.stl", "stop  := M |11.3");
-    assert_eq!(editor.covered(&found), ["main.stl:31 MW 10", "main.stl:35 M 11.3"]);
+    assert_eq!(editor.covered(&found), ["main.stl:31 MW 10", "main.stl:35 M 11.3", "symbols.sdf:4 Level"]);
     let found = editor.at("textDocument/references", "motor.scl", "  st|art : BOOL");
     assert_eq!(editor.covered(&found), ["main.stl:34 start", "motor.scl:3 start", "motor.scl:16 start"]);
     let found = editor.at("textDocument/references", "main.stl", "JC    fu|ll");
