@@ -106,6 +106,8 @@ impl Names {
         if let Some(address) = canonical(bare, scope.german) {
             // `DB10.%DBX2.0` of the TIA Portal.
             let bare = bare.replace(".%", ".");
+            // What a tree says of an address has international letters.
+            let bare = if text.starts_with('%') { written(&bare, scope.german) } else { bare };
             return match self.symbols.get(&address) {
                 Some(symbol) => {
                     Label { text: format!("\"{symbol}\""), address: bare, key: address, value: None, place: None }

@@ -106,6 +106,28 @@ fn an_address_in_an_action_of_a_chart_is_drawn_as_elsewhere() {
     }
 }
 
+/// Words, timers and counters are the operands that they are elsewhere: they have symbols.
+#[test]
+fn a_chart_with_german_addresses_is_drawn_with_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK FB 1\nINITIAL_STEP Run (*$_NUM 1*):\nA1.0   (N)\nA1.1 := NOT E0.1   (N)\n\
+                  AW4 := EW6 + 1   (N)\nEND_STEP\nTRANSITION T_1 (*$_NUM 1*)\n  FROM Run\n  TO Run (*$_JUMP*)\n\
+                  CONDITION := E0.0 AND EW8 > 5 AND NOT Z1\nEND_TRANSITION\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("run.gr7"), source).expect("the folder can be written");
+    let symbols = "\"Level\",\"EW  6\",\"INT\",\"\"\n\"Parts\",\"Z   1\",\"COUNTER\",\"\"\n";
+    fs::write(folder.join("symbols.sdf"), symbols).expect("the folder can be written");
+    let arguments = ["view", "run.gr7", "symbols.sdf", "--cpu", "315-2DP", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let picture = fs::read_to_string(folder.join("drawings/FB_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for text in
+        [">A1.0<", ">A1.1 := NOT E0.1<", ">AW4 := &quot;Level&quot; + 1<", ">E0.0<", ">EW8<", ">&quot;Parts&quot;<"]
+    {
+        assert!(picture.contains(text), "{text} in {picture}");
+    }
+}
+
 #[test]
 fn a_view_without_an_output_names_both_kinds() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -3,16 +3,17 @@
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
 use super::frame::{Document, Frame};
-use super::lexer::RawText;
+use super::lexer::{RawKind, RawText};
 use super::messages::comment_after;
 use super::tree::Part;
 use super::{classify, grammar, pragma, settings};
 use crate::{ReadOptions, language};
-use plcc_syntax::ast::{Block, Code as BlockCode, CodeBlock, CodeKind, SourceUnit};
+use plcc_syntax::ast::{Block, Code as BlockCode, CodeBlock, CodeKind, SourceUnit, Width};
 use plcc_syntax::chart::ast::Body;
 use plcc_syntax::front::ParseState;
 use plcc_syntax::scl::ast::StatementKind;
-use plcc_syntax::scl::{fragment, raw};
+use plcc_syntax::scl::{address, fragment, raw};
+use plcc_syntax::stl::{self, Mnemonics};
 
 /// Builds the tree.
 pub fn build(
@@ -43,7 +44,38 @@ pub fn build(
         }
     }
     pragmas.sort_by_key(|pragma| pragma.span.start);
-    SourceUnit { mnemonics: options.mnemonics.unwrap_or_default(), blocks, pragmas, ..SourceUnit::default() }
+    let mnemonics = options.mnemonics.unwrap_or_else(|| mnemonics(text, document));
+    SourceUnit { mnemonics, blocks, pragmas, ..SourceUnit::default() }
+}
+
+/// The set that has most of the addresses which only one set has, `E0.0` or `IW4`; without any: international.
+fn mnemonics(text: &str, document: &Document) -> Mnemonics {
+    let mut counts = [0usize; 2];
+    let tokens = document.blocks.iter().flat_map(|frame| &frame.chart);
+    for token in tokens.filter(|token| matches!(token.kind, RawKind::Word | RawKind::Absolute)) {
+        if let Some(set) = set_of(&text[token.range()]) {
+            counts[set as usize] += 1;
+        }
+    }
+    if counts[Mnemonics::De as usize] > counts[Mnemonics::En as usize] { Mnemonics::De } else { Mnemonics::En }
+}
+
+/// The only set that has an address; `None`: both have it, or it is a name.
+fn set_of(word: &str) -> Option<Mnemonics> {
+    let word = word.trim_start_matches('%').to_ascii_uppercase();
+    let (letters, place) = word.split_at(word.find(|c: char| !c.is_ascii_alphabetic())?);
+    let (area, width) = address::area_word(letters)?;
+    // `A1` is a name.
+    let is_place = place.bytes().all(|byte| byte.is_ascii_digit() || matches!(byte, b'.' | b' ' | b'\t'));
+    if !is_place || (width == Width::Bit) != place.contains('.') {
+        return None;
+    }
+    let has = |set: Mnemonics| stl::letters(area, width, set).is_some_and(|own| own == letters);
+    match (has(Mnemonics::En), has(Mnemonics::De)) {
+        (true, false) => Some(Mnemonics::En),
+        (false, true) => Some(Mnemonics::De),
+        (true, true) | (false, false) => None,
+    }
 }
 
 /// Gives a block its chart, and the contents of its comments.
