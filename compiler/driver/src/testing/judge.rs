@@ -4,25 +4,41 @@ use plcc_diag::{Code, Diagnostic, SourceMap, Span, drawing};
 use plcc_runtime::{AssertFailure, NOT_REACHED, TestReport};
 
 use super::prepare::{Prepared, TestProgram, VariantState};
-use super::{Outcome, Variant};
+use super::{Outcome, Played, Variant};
 
 /// Judges a test whose programs have all run.
 pub fn judge(prepared: Prepared) -> Outcome {
     let Prepared { mut outcome, programs, coverage: _ } = prepared;
+    let mut played = vec![Played::default(); programs.len()];
     let mut reports = Vec::new();
-    for program in &programs {
-        if let Some(report) = agreed_report(program, &mut outcome) {
-            reports.push((program, report));
+    for (at, program) in programs.iter().enumerate() {
+        if let Some(report) = added(&mut outcome, &mut played[at], |outcome| agreed_report(program, outcome)) {
+            reports.push((at, program, report));
         }
     }
-    for (program, report) in &reports {
+    for (at, program, report) in &reports {
         // With several scenarios an assertion must be reached in one of them.
         let reached_elsewhere = |line: &(String, u32)| {
-            reports.iter().any(|(_, other)| !other.not_reached.iter().any(|n| (&n.file, n.line) == (&line.0, line.1)))
+            reports.iter().any(|(.., other)| !other.not_reached.iter().any(|n| (&n.file, n.line) == (&line.0, line.1)))
         };
-        add_report(program, report, reached_elsewhere, &mut outcome);
+        added(&mut outcome, &mut played[*at], |outcome| add_report(program, report, reached_elsewhere, outcome));
     }
+    let scenarios = programs.iter().zip(played).filter_map(|(program, played)| {
+        let file = program.options.scenario.as_ref()?.display().to_string();
+        Some(Played { file, ..played })
+    });
+    outcome.scenarios = scenarios.collect();
     outcome
+}
+
+/// Does a part of the work on an outcome; what that adds to it goes to a scenario, too.
+fn added<T>(outcome: &mut Outcome, played: &mut Played, work: impl FnOnce(&mut Outcome) -> T) -> T {
+    let (passed, failed, length) = (outcome.passed, outcome.failed, outcome.failures.len());
+    let result = work(outcome);
+    played.passed += outcome.passed - passed;
+    played.failed += outcome.failed - failed;
+    played.failures.push_str(&outcome.failures[length..]);
+    result
 }
 
 /// The report of the first form, if all forms agree.

@@ -3,33 +3,79 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::Outcome;
+use super::{Outcome, Played};
 
-/// One suite with a case for each test; `assertions` counts what it checked.
+/// A case of the report.
+struct Case<'o> {
+    class: String,
+    name: String,
+    assertions: u64,
+    failed: bool,
+    failures: &'o str,
+    /// Of the compiler.
+    messages: &'o str,
+    is_compiled: bool,
+}
+
+/// One suite with a case for each test, or for each scenario of a test that has several; `assertions` counts what it checked.
 pub fn report(outcomes: &[Outcome]) -> String {
-    let failed = outcomes.iter().filter(|outcome| outcome.failed > 0 && is_compiled(outcome)).count();
-    let errors = outcomes.iter().filter(|outcome| !is_compiled(outcome)).count();
-    let counts = format!("tests=\"{}\" failures=\"{failed}\" errors=\"{errors}\"", outcomes.len());
+    let cases: Vec<Case> = outcomes.iter().flat_map(cases).collect();
+    let failed = cases.iter().filter(|case| case.failed && case.is_compiled).count();
+    let errors = cases.iter().filter(|case| !case.is_compiled).count();
+    let counts = format!("tests=\"{}\" failures=\"{failed}\" errors=\"{errors}\"", cases.len());
     let mut out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
     let _ = writeln!(out, "<testsuites name=\"plcc\" {counts}>\n  <testsuite name=\"plcc\" {counts}>");
-    for outcome in outcomes {
-        let name = escaped(&name_of(outcome));
-        let assertions = outcome.passed + outcome.failed;
-        let _ = write!(out, "    <testcase classname=\"plcc\" name=\"{name}\" assertions=\"{assertions}\"");
-        let element = match (is_compiled(outcome), outcome.failed) {
-            (true, 0) => {
+    for case in &cases {
+        let (class, name) = (escaped(&case.class), escaped(&case.name));
+        let assertions = case.assertions;
+        let _ = write!(out, "    <testcase classname=\"{class}\" name=\"{name}\" assertions=\"{assertions}\"");
+        let element = match (case.is_compiled, case.failed) {
+            (true, false) => {
                 out.push_str("/>\n");
                 continue;
             }
-            (true, _) => "failure",
+            (true, true) => "failure",
             (false, _) => "error",
         };
-        let text = escaped(&format!("{}{}", outcome.failures, outcome.messages));
-        let first = escaped(outcome.failures.lines().next().unwrap_or_default());
+        let text = escaped(&format!("{}{}", case.failures, case.messages));
+        let first = escaped(case.failures.lines().next().unwrap_or_default());
         let _ = writeln!(out, ">\n      <{element} message=\"{first}\">{text}</{element}>\n    </testcase>");
     }
     out.push_str("  </testsuite>\n</testsuites>\n");
     out
+}
+
+/// The cases of a test: itself, or its scenarios, whose class it is.
+fn cases(outcome: &Outcome) -> Vec<Case<'_>> {
+    let is_compiled = is_compiled(outcome);
+    if !is_compiled || outcome.scenarios.len() < 2 {
+        return vec![Case {
+            class: "plcc".to_owned(),
+            name: name_of(outcome),
+            assertions: outcome.passed + outcome.failed,
+            failed: outcome.failed > 0,
+            failures: &outcome.failures,
+            messages: &outcome.messages,
+            is_compiled,
+        }];
+    }
+    let class = name_of(outcome);
+    let case = |played| scenario_case(outcome, &class, played);
+    outcome.scenarios.iter().map(case).collect()
+}
+
+fn scenario_case<'o>(outcome: &'o Outcome, class: &str, played: &'o Played) -> Case<'o> {
+    let file = Path::new(&played.file);
+    let inside = file.strip_prefix(&outcome.name).unwrap_or(file);
+    Case {
+        class: class.to_owned(),
+        name: inside.display().to_string(),
+        assertions: played.passed + played.failed,
+        failed: played.failed > 0,
+        failures: &played.failures,
+        messages: &outcome.messages,
+        is_compiled: true,
+    }
 }
 
 /// The path of a test. That of the project in this folder, `.`, says nothing outside: the folder has a name.
@@ -79,5 +125,20 @@ mod tests {
         assert!(text.contains("name=\"&lt;b&gt;.stl\""), "{text}");
         assert!(text.contains("FAILED b.stl:3: ACCU1 &lt; 5 &amp; &quot;x&quot;?"), "{text}");
         assert!(text.contains("<error message=\"FAILED c.stl: 1 error\">"), "{text}");
+    }
+
+    #[test]
+    fn each_of_several_scenarios_is_a_case() {
+        let good = Played { file: "line/tests/good.toml".to_owned(), passed: 3, ..Played::default() };
+        let failures = "FAILED line/tests/bad.toml:4: Q0.0\n".to_owned();
+        let bad = Played { file: "line/tests/bad.toml".to_owned(), passed: 1, failed: 1, failures: failures.clone() };
+        let sums = Outcome { name: "line".to_owned(), passed: 4, failed: 1, failures, ..Outcome::default() };
+        let text = report(&[Outcome { scenarios: vec![good, bad], ..sums }]);
+        assert!(text.contains("tests=\"2\" failures=\"1\" errors=\"0\""), "{text}");
+        assert!(text.contains("<testcase classname=\"line\" name=\"tests/good.toml\" assertions=\"3\"/>"), "{text}");
+        assert!(
+            text.contains("name=\"tests/bad.toml\" assertions=\"2\">\n      <failure message=\"FAILED line"),
+            "{text}"
+        );
     }
 }

@@ -86,6 +86,19 @@ pub struct Outcome {
     pub failures: String,
     /// Assertions and expectations that failed.
     pub details: Vec<AssertFailure>,
+    /// What came of each of its scenarios, as part of the sums and of `failures`.
+    pub scenarios: Vec<Played>,
+}
+
+/// What came of a scenario.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Played {
+    /// Path of its file.
+    pub file: String,
+    pub passed: u64,
+    pub failed: u64,
+    /// What failed, a few lines each.
+    pub failures: String,
 }
 
 impl Outcome {

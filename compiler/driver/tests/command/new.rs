@@ -84,6 +84,20 @@ fn a_report_has_the_name_of_the_project_in_this_folder() {
     assert_eq!(done(&project, &["test", ".", "--junit", "r.xml"]), "4 passed, 0 failed\n");
     let report = fs::read_to_string(project.join("r.xml")).expect("it is written");
     assert!(report.contains("<testcase classname=\"plcc\" name=\"line\" assertions=\"4\"/>"), "{report}");
+    // A second scenario expects that the motor does not stop.
+    let scenario = fs::read_to_string(project.join("tests/motor.scenario.toml")).expect("it is there");
+    let wrong = scenario.trim_end().strip_suffix("\"Q0.0\" = 0 }").expect("the motor stops at the end");
+    fs::write(project.join("tests/other.toml"), format!("{wrong}\"Q0.0\" = 1 }}\n"))
+        .expect("the folder can be written");
+    assert_eq!(plcc(&project, &["test", ".", "--junit", "r.xml"]).status.code(), Some(1));
+    let report = fs::read_to_string(project.join("r.xml")).expect("it is written");
+    for text in [
+        "tests=\"2\" failures=\"1\" errors=\"0\"",
+        "<testcase classname=\"line\" name=\"tests/motor.scenario.toml\" assertions=\"4\"/>",
+        "<testcase classname=\"line\" name=\"tests/other.toml\" assertions=\"4\">",
+    ] {
+        assert!(report.contains(text), "{text} in {report}");
+    }
 }
 
 #[test]
