@@ -125,10 +125,11 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 4] = [
+    const SOURCES: [&str; 5] = [
         "language/parts_of_variables_tia",
         "language/small_and_unsigned_tia",
         "language/text_assignments_tia",
+        "language/text_functions_tia",
         "library/instances_as_lists_tia",
     ];
     for name in SOURCES {

@@ -11,14 +11,11 @@ use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 use super::address::Target;
-use super::control::text_of;
+use super::text::{TEXT_MAX, TextInstruction};
 use crate::to_stl::library::is_block;
 
 /// Blocks of the library with higher numbers have them from plcc.
 const SYSTEM_NUMBER_MAX: u16 = 999;
-
-/// Characters of a STRING without a length.
-const TEXT_MAX: u8 = 254;
 
 /// What an output of the call is copied to after it.
 struct Back<'m> {
@@ -39,6 +36,7 @@ impl Maker<'_> {
     pub fn call(&mut self, call: &Call) -> Option<Operand> {
         let program = self.program;
         let callee = program.block(call.target)?;
+        let instruction = self.text_instruction(callee);
         let result_of = callee
             .interface
             .parameters
@@ -48,7 +46,8 @@ impl Maker<'_> {
         let result_index = result_of.filter(|index| !supplied(*index));
         let result = match result_index.map(|index| &callee.interface.parameters[index].ty) {
             None => None,
-            Some(DataType::Elementary(ty)) => Some((self.temporary(*ty), *ty)),
+            Some(DataType::Elementary(ty)) => Some((self.temporary(*ty), Some(*ty))),
+            Some(DataType::String(TEXT_MAX)) => Some((self.empty_text(), None)),
             Some(_) => {
                 self.refuse(call.span, "a function whose result is not elementary", "give it an output instead");
                 return None;
@@ -74,12 +73,22 @@ impl Maker<'_> {
         parameters.sort_by_key(|(index, _, _)| *index);
         let parameters = parameters
             .into_iter()
-            .map(|(_, name, actual)| ast::Parameter { name, name_span: self.span, actual })
+            .map(|(_, own, actual)| {
+                let name = match instruction {
+                    Some(_) => TextInstruction::parameter(&own).to_string(),
+                    None => own,
+                };
+                ast::Parameter { name, name_span: self.span, actual }
+            })
             .collect();
         // As its indices are before the call.
         let eno = call.eno.as_ref().and_then(|access| self.target(access, false));
-        let (target, instance) = self.callee(call, callee)?;
-        let made = ast::Call { target, types: Vec::new(), instance, parameters };
+        let (target, instance) = match instruction {
+            Some(instruction) => (self.called(instruction), None),
+            None => self.callee(call, callee)?,
+        };
+        let types = instruction.map(TextInstruction::types).unwrap_or_default();
+        let made = ast::Call { target, types, instance, parameters };
         self.push_kind(ast::StatementKind::Call(Box::new(made)));
         self.note_eno(call, eno);
         for back in backs {
@@ -92,12 +101,12 @@ impl Maker<'_> {
         result.map(|(operand, _)| operand)
     }
 
-    /// EN: without it the call is skipped, its result and ENO are 0. Returns the label after the call.
-    fn enable(&mut self, enable: &Expr, result: &Option<(Operand, Elementary)>, call: &Call) -> String {
+    /// EN: without it the call is skipped, its result and ENO are 0; a text is empty already. Returns the label after the call.
+    fn enable(&mut self, enable: &Expr, result: &Option<(Operand, Option<Elementary>)>, call: &Call) -> String {
         let (label, run) = (self.new_label(), self.new_label());
         self.condition(enable);
         self.jump(StlInsn::JumpIf, &run);
-        if let Some((operand, ty)) = result {
+        if let Some((operand, Some(ty))) = result {
             let zero = self.constant(*ty, 0);
             match ty {
                 Elementary::Bool => {
@@ -304,14 +313,12 @@ impl Maker<'_> {
             }
             // The function gets the text itself; a function block would get a copy that ends with its own length.
             Actual::Complex(Complex::Const(bytes))
-                if callee.kind == BlockKind::Fc
-                    && !callee.library
-                    && formal.ty == DataType::String(TEXT_MAX)
-                    && self.program.profile.family == Family::S71500 =>
+                if formal.ty == DataType::String(TEXT_MAX)
+                    && (callee.kind == BlockKind::Fc && !callee.library || self.text_instruction(callee).is_some()) =>
             {
-                let Some(text) = text_of(bytes) else { return self.no_actual(argument.span) };
-                Some(Operand { kind: OperandKind::Literal(Literal::Text(text)), span: self.span })
+                self.constant_text(bytes).or_else(|| self.no_actual(argument.span))
             }
+            Actual::Complex(Complex::Call(inner)) if formal.ty == DataType::String(TEXT_MAX) => self.call(inner),
             Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {
                 if !self.is_direct(access) || matches!(formal.ty, DataType::OpenArray(_)) {
                     return self.no_actual(argument.span);
@@ -398,11 +405,7 @@ impl Maker<'_> {
 
     /// Neither the callee nor another argument changes the variable before the callee reads it.
     fn stays(&self, call: &Call, callee: &CodeBlock, access: &Access) -> bool {
-        let mut values = call.arguments.iter().filter_map(|argument| match &argument.actual {
-            Actual::Value(value) => Some(value),
-            _ => None,
-        });
-        if !values.all(super::value::is_plain) {
+        if !self.changes_nothing(call) {
             return false;
         }
         match (callee.kind, &callee.body) {

@@ -1,7 +1,8 @@
 //! Statements, labels and variables.
 
 use plcc_diag::Span;
-use plcc_model::types::Elementary;
+use plcc_model::layout;
+use plcc_model::types::{DataType, Elementary};
 use plcc_syntax::ast::{
     self, Bound, CodeBlock, CodeKind, InitialKind, InitialValue, Label, Operand, OperandKind, Path, PathRoot, Section,
     SectionKind, Statement, StatementKind, TypeKind, TypeRef, Variable,
@@ -14,7 +15,7 @@ use super::Maker;
 /// A variable that the block declares besides those of its source.
 pub struct Temporary {
     pub name: String,
-    pub ty: Elementary,
+    pub ty: DataType,
     /// It holds a value that is still to be read.
     pub busy: bool,
 }
@@ -78,10 +79,15 @@ impl Maker<'_> {
 
     /// A variable for a value of the current statement.
     pub fn temporary(&mut self, ty: Elementary) -> Operand {
-        let free = self.temporaries.iter().position(|one| one.ty == ty && !one.busy);
+        self.variable(&DataType::Elementary(ty), "value")
+    }
+
+    /// The same for any type; the name of the variable begins with `like`.
+    pub fn variable(&mut self, ty: &DataType, like: &str) -> Operand {
+        let free = self.temporaries.iter().position(|one| one.ty == *ty && !one.busy);
         let at = free.unwrap_or_else(|| {
-            let name = self.unused_name("value");
-            self.temporaries.push(Temporary { name, ty, busy: true });
+            let name = self.unused_name(like);
+            self.temporaries.push(Temporary { name, ty: ty.clone(), busy: true });
             self.temporaries.len() - 1
         });
         self.temporaries[at].busy = true;
@@ -92,7 +98,7 @@ impl Maker<'_> {
     pub fn kept(&mut self, ty: Elementary, like: &str) -> Operand {
         let name = self.unused_name(like);
         let operand = local(&name, self.span);
-        self.temporaries.push(Temporary { name, ty, busy: true });
+        self.temporaries.push(Temporary { name, ty: DataType::Elementary(ty), busy: true });
         operand
     }
 
@@ -141,12 +147,20 @@ impl Maker<'_> {
             name_span: span,
             attributes: Vec::new(),
             at: None,
-            ty: TypeRef { kind: TypeKind::Named(one.ty.name().to_string()), span },
+            ty: TypeRef { kind: declared_type(&one.ty), span },
             initial: None,
             comment: None,
         });
         let variables = variables.collect();
         block.sections.push(Section { kind: SectionKind::Temp, retain: ast::Retain::Unsaid, variables, span });
+    }
+}
+
+/// The type of a temporary as its declaration writes it.
+fn declared_type(ty: &DataType) -> TypeKind {
+    match ty {
+        DataType::String(_) => TypeKind::String(None),
+        other => TypeKind::Named(layout::type_name(other)),
     }
 }
 

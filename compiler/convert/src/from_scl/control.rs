@@ -1,10 +1,8 @@
 //! Statements: assignments, branches, loops and jumps.
 
-use plcc_abi::image::Family;
 use plcc_model::scl::{Access, Arm, CompareOp, Complex, Expr, ExprKind, Statement, StatementKind};
-use plcc_model::types::{DataType, Elementary};
-use plcc_syntax::ast::{self, BlockName, BlockPrefix, Operand, OperandKind, Path, PathRoot};
-use plcc_syntax::literal::Literal;
+use plcc_model::types::Elementary;
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, Operand, OperandKind};
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
@@ -136,35 +134,6 @@ impl Maker<'_> {
         let operand = self.reach(&target, value.ty);
         let insn = if value.ty == Elementary::Bool { StlInsn::Assign } else { StlInsn::Transfer };
         self.push(insn, Some(operand));
-    }
-
-    /// A text: S_MOVE, which only an S7-1500 has in STL.
-    fn assign_text(&mut self, target: &Access, value: &Complex, statement: &Statement) {
-        let from = match value {
-            Complex::Variable(source) if same_kind(&source.ty, &target.ty) && self.is_direct(source) => {
-                self.operand(source)
-            }
-            Complex::Const(bytes) if matches!(target.ty, DataType::String(_)) => {
-                text_of(bytes).map(|text| Operand { kind: OperandKind::Literal(Literal::Text(text)), span: self.span })
-            }
-            _ => None,
-        };
-        let is_possible = self.program.profile.family == Family::S71500 && self.is_direct(target);
-        let Some(from) = from.filter(|_| is_possible) else {
-            let help = "call a function of the library that copies it";
-            return self.refuse(statement.span, "an assignment of texts", help);
-        };
-        let Some(to) = self.operand(target) else { return };
-        let parameters = [("IN", from), ("OUT", to)].map(|(name, actual)| ast::Parameter {
-            name: name.to_string(),
-            name_span: self.span,
-            actual: Some(actual),
-        });
-        let root = PathRoot::Quoted { name: "S_MOVE".to_string(), span: self.span };
-        let path = Path { root, parts: Vec::new(), span: self.span };
-        let target = Operand { kind: OperandKind::Path(path), span: self.span };
-        let call = ast::Call { target, types: Vec::new(), instance: None, parameters: parameters.into() };
-        self.push_kind(ast::StatementKind::Call(Box::new(call)));
     }
 
     /// An array or a structure.
@@ -383,18 +352,4 @@ impl Maker<'_> {
         self.at(until.span.end);
         self.close_labels();
     }
-}
-
-/// Two texts with characters of one size.
-fn same_kind(one: &DataType, other: &DataType) -> bool {
-    matches!(
-        (one, other),
-        (DataType::String(_), DataType::String(_)) | (DataType::WideString(_), DataType::WideString(_))
-    )
-}
-
-/// The characters of a STRING in memory.
-pub fn text_of(bytes: &[u8]) -> Option<Vec<u8>> {
-    let [_, length, characters @ ..] = bytes else { return None };
-    characters.get(..usize::from(*length)).map(<[u8]>::to_vec)
 }

@@ -1,0 +1,184 @@
+//! Texts: assignments, results of functions, and the functions and comparisons that STL of an S7-1500 has as instructions.
+//!
+//! Source: S7-1500 information system, basic and extended instructions of STL; System and standard functions, IEC functions.
+
+use plcc_abi::image::{BlockKind, Family};
+use plcc_model::scl::{Access, Actual, Call, Complex, Statement};
+use plcc_model::types::DataType;
+use plcc_model::{BlockKey, CodeBlock};
+use plcc_syntax::ast::{
+    self, AddressRegister, BlockName, BlockPrefix, CallType, Operand, OperandKind, Path, PathRoot, Width,
+};
+use plcc_syntax::literal::Literal;
+use plcc_syntax::stl::StlInsn;
+
+use super::Maker;
+use super::code::number;
+
+/// Characters of a STRING without a length.
+pub const TEXT_MAX: u8 = 254;
+
+/// The functions of texts that are instructions.
+const FUNCTIONS: [&str; 10] =
+    ["LEN", "MAX_LEN", "CONCAT", "LEFT", "RIGHT", "MID", "DELETE", "INSERT", "REPLACE", "FIND"];
+
+/// The functions of the IEC library that compare two texts, and the relations of S_COMP.
+const RELATIONS: [(u16, &str); 6] = [(10, "EQ"), (13, "GE"), (15, "GT"), (19, "LE"), (24, "LT"), (29, "NE")];
+
+/// LEFT of the IEC library: with as many characters as a text can have, it copies.
+const LEFT: u16 = 20;
+
+/// An instruction that does the same as a function of the library.
+#[derive(Clone, Copy)]
+pub struct TextInstruction {
+    name: &'static str,
+    /// What a comparison looks for.
+    relation: Option<&'static str>,
+}
+
+impl TextInstruction {
+    /// The name that an instruction has for a parameter of its function.
+    pub fn parameter(own: &str) -> &str {
+        match own {
+            "RET_VAL" => "OUT",
+            "S1" => "IN1",
+            "S2" => "IN2",
+            _ => own,
+        }
+    }
+
+    /// What the call names before its parameters.
+    pub fn types(self) -> Vec<CallType> {
+        let named = |relation: &str| {
+            [("string_type", "String"), ("relation", relation)]
+                .map(|(name, ty)| CallType { name: name.to_string(), ty: ty.to_string() })
+        };
+        self.relation.map_or_else(Vec::new, |relation| named(relation).into())
+    }
+}
+
+impl Maker<'_> {
+    /// The instruction that a call of a block of the library becomes.
+    pub fn text_instruction(&self, callee: &CodeBlock) -> Option<TextInstruction> {
+        if !callee.library || self.program.profile.family != Family::S71500 {
+            return None;
+        }
+        let found = match callee.kind {
+            BlockKind::Sfc => {
+                let name = FUNCTIONS.into_iter().find(|name| *name == callee.name)?;
+                TextInstruction { name, relation: None }
+            }
+            BlockKind::Fc => {
+                let (_, relation) = RELATIONS.into_iter().find(|(number, _)| *number == callee.number)?;
+                TextInstruction { name: "S_COMP", relation: Some(relation) }
+            }
+            BlockKind::Ob | BlockKind::Fb | BlockKind::Sfb | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => {
+                return None;
+            }
+        };
+        let is_own = |name: &str| name.eq_ignore_ascii_case(found.name);
+        let is_taken = self.program.symbols.iter().any(|symbol| is_own(&symbol.name))
+            || self.program.blocks.iter().any(|block| !block.library && is_own(&block.name));
+        (!is_taken).then_some(found)
+    }
+
+    /// An instruction as the target of a call.
+    pub fn called(&self, instruction: TextInstruction) -> Operand {
+        let root = PathRoot::Quoted { name: instruction.name.to_string(), span: self.span };
+        Operand { kind: OperandKind::Path(Path { root, parts: Vec::new(), span: self.span }), span: self.span }
+    }
+
+    /// A constant text; only STL of an S7-1500 has these as actual parameters.
+    pub fn constant_text(&self, bytes: &[u8]) -> Option<Operand> {
+        let [_, length, characters @ ..] = bytes else { return None };
+        let text = characters.get(..usize::from(*length)).filter(|_| self.program.profile.family == Family::S71500)?;
+        Some(Operand { kind: OperandKind::Literal(Literal::Text(text.to_vec())), span: self.span })
+    }
+
+    /// An empty text for the current statement. What was in temporary data before is not a text.
+    pub fn empty_text(&mut self) -> Operand {
+        let text = self.variable(&DataType::String(TEXT_MAX), "text");
+        if let OperandKind::Path(path) = &text.kind {
+            let there = OperandKind::RegisterIndirect {
+                area: None,
+                width: Width::Word,
+                register: AddressRegister::Ar1,
+                offset: 0,
+            };
+            let head = OperandKind::Literal(Literal::Word(u16::from(TEXT_MAX) << 8));
+            let operand = |kind| Some(Operand { kind, span: self.span });
+            let [address, head, there] = [OperandKind::AddressOf(path.clone()), head, there].map(operand);
+            self.push(StlInsn::Load, address);
+            self.push(StlInsn::LoadAr1, None);
+            self.push(StlInsn::Load, head);
+            self.push(StlInsn::Transfer, there);
+        }
+        text
+    }
+
+    /// The arguments of a call change no variable, and neither do the calls in them.
+    pub fn changes_nothing(&self, call: &Call) -> bool {
+        call.arguments.iter().all(|argument| match &argument.actual {
+            Actual::Value(value) => super::value::is_plain(value),
+            Actual::Complex(Complex::Call(inner)) => {
+                let is_instruction =
+                    self.program.block(inner.target).is_some_and(|callee| self.text_instruction(callee).is_some());
+                is_instruction && inner.enable.is_none() && inner.eno.is_none() && self.changes_nothing(inner)
+            }
+            _ => true,
+        })
+    }
+
+    /// S_MOVE, which only an S7-1500 has in STL, or LEFT.
+    pub fn assign_text(&mut self, target: &Access, value: &Complex, statement: &Statement) {
+        const HELP: &str = "call a function of the library that copies it";
+        if !self.is_direct(target) {
+            return self.refuse(statement.span, "an assignment of texts", HELP);
+        }
+        let is_narrow = matches!(target.ty, DataType::String(_));
+        let from = match value {
+            Complex::Variable(source) if same_kind(&source.ty, &target.ty) && self.is_direct(source) => {
+                self.operand(source)
+            }
+            Complex::Const(bytes) if is_narrow => self.constant_text(bytes),
+            Complex::Call(call) if is_narrow => self.call(call),
+            _ => None,
+        };
+        let Some(from) = from.filter(|_| !self.refused) else {
+            return self.refuse(statement.span, "an assignment of texts", HELP);
+        };
+        let Some(to) = self.operand(target) else { return };
+        let (target, parameters) = match self.program.profile.family {
+            Family::S71500 => {
+                (self.called(TextInstruction { name: "S_MOVE", relation: None }), vec![("IN", from), ("OUT", to)])
+            }
+            Family::S7300 | Family::S7400 | Family::S7200 | Family::S71200 => {
+                let key = BlockKey { kind: BlockKind::Fc, number: LEFT };
+                if !is_narrow || self.program.block(key).is_some_and(|block| !block.library) {
+                    return self.refuse(statement.span, "an assignment of texts", HELP);
+                }
+                let left = BlockName::Numbered { prefix: BlockPrefix::Fc, number: u32::from(LEFT), span: self.span };
+                let all = number(i64::from(TEXT_MAX), self.span);
+                (
+                    Operand { kind: OperandKind::Block(left), span: self.span },
+                    vec![("IN", from), ("L", all), ("RET_VAL", to)],
+                )
+            }
+        };
+        let parameters = parameters.into_iter().map(|(name, actual)| ast::Parameter {
+            name: name.to_string(),
+            name_span: self.span,
+            actual: Some(actual),
+        });
+        let call = ast::Call { target, types: Vec::new(), instance: None, parameters: parameters.collect() };
+        self.push_kind(ast::StatementKind::Call(Box::new(call)));
+    }
+}
+
+/// Two texts with characters of one size.
+fn same_kind(one: &DataType, other: &DataType) -> bool {
+    matches!(
+        (one, other),
+        (DataType::String(_), DataType::String(_)) | (DataType::WideString(_), DataType::WideString(_))
+    )
+}
