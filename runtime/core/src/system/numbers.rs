@@ -442,22 +442,45 @@ pub(super) fn field_of_integer(call: &Call) -> Outcome {
     let value = integer(call.lword(0), call.word(5));
     let mut digits: Buffer<300> = Buffer::new();
     let width = field.precision + 1;
-    let _ = write!(digits, "{:0width$}", value.unsigned_abs());
-    let mut number: Buffer<304> = Buffer::new();
+    let mut number: Buffer<320> = Buffer::new();
     push_sign(&mut number, value < 0, field.format);
-    let (whole, fraction) = digits.characters().split_at(digits.characters().len() - field.precision);
-    if field.format & EXPONENT != 0 {
-        return match field_of_float(value as f64 / 10f64.powi(field.precision as i32), &field) {
-            Some(number) => fill_field(call, OUT, &field, number.characters()),
-            None => error(INVALID),
-        };
-    }
+    let (places, exponent) = if field.format & EXPONENT == 0 {
+        let _ = write!(digits, "{:0width$}", value.unsigned_abs());
+        (digits.characters().len() - field.precision, None)
+    } else {
+        let (mantissa, exponent) = rounded(value.unsigned_abs(), field.precision);
+        let _ = write!(digits, "{mantissa:0<width$}");
+        (1, Some(exponent))
+    };
+    let (whole, fraction) = digits.characters().split_at(places);
     whole.iter().for_each(|&digit| number.push(digit));
     if !fraction.is_empty() {
         number.push(decimal_sign(field.format));
         fraction.iter().for_each(|&digit| number.push(digit));
     }
+    if let Some(exponent) = exponent {
+        let _ = write!(number, "E{exponent:+}");
+    }
     fill_field(call, OUT, &field, number.characters())
+}
+
+/// A number whose last `precision` digits are decimals, for a field with an exponent: its first digits, one and at most `precision` more,
+/// and the exponent. A half becomes an even digit, as in a float.
+fn rounded(magnitude: u128, precision: usize) -> (u128, i64) {
+    let Some(places) = magnitude.checked_ilog10() else { return (0, 0) };
+    let mut exponent = i64::from(places) - precision as i64;
+    let dropped = places.saturating_sub(precision as u32);
+    let unit = 10u128.pow(dropped);
+    let (mut kept, rest) = (magnitude / unit, magnitude % unit);
+    if rest * 2 > unit || (rest * 2 == unit && kept % 2 == 1) {
+        kept += 1;
+        // 9.99 has become 10.0.
+        if kept.ilog10() > places - dropped {
+            kept /= 10;
+            exponent += 1;
+        }
+    }
+    (kept, exponent)
 }
 
 /// IN LREAL, SIZE, PREC, FORMAT, P, LONGEST -> RET_VAL, OUT STRING. LONGEST is the greatest PREC.
