@@ -163,7 +163,9 @@ impl Report {
             }
             let meant = meant.filter(|_| !name.starts_with(|c: char| c.is_ascii_digit()));
             let meant = meant.or_else(|| similar(name, ["TRUE", "FALSE"].into_iter()).map(str::to_owned));
-            match (misread_address(name), meant, hexadecimal(name)) {
+            // `M1_2` may well be a name.
+            let may_be_name = name.contains('_') && (quoted || meant.is_some());
+            match (misread_address(name).filter(|_| !may_be_name), meant, hexadecimal(name)) {
                 (Some(address), ..) => message.help(format!("if you mean the address, write `{address}`")),
                 (None, Some(meant), _) => message.help(format!("is `{meant}` meant?")),
                 (None, None, Some(number)) => {

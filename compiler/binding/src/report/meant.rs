@@ -153,7 +153,7 @@ pub fn hexadecimal(name: &str) -> Option<String> {
     number.then(|| format!("16#{}", digits.to_ascii_uppercase()))
 }
 
-/// Names that are misspelt addresses: `MO.0`, `Q01`, `MW1O`.
+/// Names that are misspelt addresses: `MO.0`, `Q01`, `Q0_1`, `MW1O`.
 pub(super) fn misread_address(name: &str) -> Option<String> {
     let upper = name.trim().to_ascii_uppercase();
     let letters: String = upper.chars().take_while(|letter| "IQEAM".contains(*letter)).take(1).collect();
@@ -169,7 +169,7 @@ pub(super) fn misread_address(name: &str) -> Option<String> {
     {
         return Some(format!("{letters}{digits}"));
     }
-    let point = match digits.split_once('.') {
+    let point = match digits.split_once(['.', '_']) {
         Some((byte, bit)) => (byte.to_string(), bit.to_string()),
         None => {
             let split = digits.len() - 1;

@@ -502,7 +502,7 @@ fn mismatch(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: 
                 StlInsn::OpenDb.mnemonic(set)
             ),
         ),
-        (OperandKind::Cell { kind: CellKind::Timer, .. }, _) if insn == StlInsn::Set => (
+        (OperandKind::Cell { kind: CellKind::Timer, .. }, _) if matches!(insn, StlInsn::Set | StlInsn::Assign) => (
             format!("`{shown}` is not an operand of `{written}`"),
             match set {
                 Mnemonics::En => {

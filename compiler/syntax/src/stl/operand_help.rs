@@ -39,6 +39,12 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             let start = StlInsn::TimerOnDelay.mnemonic(set);
             Some(format!("write e.g. `{start} {shown}`, which starts the timer with the time in ACCU1"))
         }
+        (_, OperandKind::Cell { kind: CellKind::Counter, .. }) if insn == StlInsn::Assign => {
+            let (up, down) = (StlInsn::CountUp.mnemonic(set), StlInsn::CountDown.mnemonic(set));
+            Some(format!(
+                "write `{up} {shown}` to count up, `{down} {shown}` to count down, `S {shown}` to set the counter"
+            ))
+        }
         (OperandClass::DwordConstOrNone, OperandKind::Literal(Literal::Word(value))) => {
             let word = written.strip_suffix(['D', 'd'])?;
             Some(format!("write `{word}W {shown}` for a word, `{written} DW#16#{value:X}` for a double word"))

@@ -429,7 +429,13 @@ impl Declarations<'_> {
                 let of_step = ["X", "T", "U"];
                 let first = if of_step.iter().all(has) { of_step.as_slice() } else { &[] };
                 let others = names().filter(|name| !first.contains(name));
-                let all: Vec<&str> = first.iter().copied().chain(others).take(NAMES_MAX).collect();
+                let mut all: Vec<&str> = Vec::new();
+                for name in first.iter().copied().chain(others) {
+                    // A name that is declared twice has its message.
+                    if all.len() < NAMES_MAX && !all.iter().any(|known| known.eq_ignore_ascii_case(name)) {
+                        all.push(name);
+                    }
+                }
                 let more = if structure.members.len() > NAMES_MAX { " and more" } else { "" };
                 match all.is_empty() {
                     true => message.help("it has no components"),

@@ -532,7 +532,12 @@ impl<'a> Classifier<'a, '_> {
                     Some(address) => format!("write `{address}`"),
                     None => match self.parted_address(text) {
                         Some(address) => format!("write `{address}`, without a blank at the point"),
-                        None => "a component has a name; an address is written like `M 10.0`".to_owned(),
+                        None => match self.address_of_two(text) {
+                            Some(address) => {
+                                format!("an address has the number of a byte and that of a bit: `{address}`")
+                            }
+                            None => "a component has a name; an address is written like `M 10.0`".to_owned(),
+                        },
                     },
                 },
             },
@@ -573,6 +578,16 @@ impl<'a> Classifier<'a, '_> {
         let is_address = !byte.is_empty() && byte.bytes().all(|digit| digit.is_ascii_digit());
         let is_bit = matches!(bit.as_bytes(), [b'0'..=b'7']);
         (is_address && is_bit).then(|| format!("{} {number}", &self.text[*start..*end]))
+    }
+
+    /// `M 0.1` for `M 0.1.2`, where `text` is what follows the letters.
+    fn address_of_two(&self, text: &str) -> Option<String> {
+        let Some((start, Tok::Area(_, Width::Bit), end)) = self.out.last() else { return None };
+        let is_number = |part: &str| !part.is_empty() && part.bytes().all(|digit| digit.is_ascii_digit());
+        let mut parts = text.split('.');
+        let (byte, bit) = (parts.next()?, parts.next()?);
+        let is_address = is_number(byte) && matches!(bit.as_bytes(), [b'0'..=b'7']) && parts.all(is_number);
+        is_address.then(|| format!("{} {byte}.{bit}", &self.text[*start..*end]))
     }
 
     /// `E0.0` with the letters of the file's set: `I0.0`; `None` if the other set does not have the letters.
