@@ -1,6 +1,6 @@
 //! MOVE, MUX, DEMUX. Source: LAD/FBD reference C.10, C.13.
 
-use plcc_syntax::network::ast::{PinValue, TemplateKey};
+use plcc_syntax::network::ast::{PinValue, Storage, TemplateKey};
 use plcc_syntax::{Class, Elementary};
 
 use super::pins::{connected, no, outputs};
@@ -36,24 +36,23 @@ impl NetworkBinder<'_, '_> {
                 (_, value) => value,
             };
             let mut good = Some(());
-            let names: Vec<&str> = element
-                .pins
-                .iter()
-                .filter(|pin| pin.output && pin.name != "eno")
-                .map(|pin| pin.name.as_str())
-                .collect();
-            for name in names {
-                good = binder.moved(ctx, sheet, at, name, value.clone()).and(good);
+            for place in (0..element.pins.len()).map(|pin| (at, pin)) {
+                let pin = &element.pins[place.1];
+                if pin.output && pin.name != "eno" {
+                    good = binder.moved(ctx, sheet, place, value.clone()).and(good);
+                }
             }
             good
         })
     }
 
-    fn moved(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, at: usize, name: &str, value: Value) -> Option<()> {
-        let element = sheet.element(at);
-        let Value::Elementary(expr) = &value else { return self.output(ctx, sheet, at, name, value) };
-        let Some((_, pin)) = outputs(element, name).next() else { return Some(()) };
-        let PinValue::Operand(node) = &pin.value else { return self.output(ctx, sheet, at, name, value) };
+    /// Writes the value to one of the outputs: `place` is the element and its pin.
+    fn moved(&mut self, ctx: &mut SclBlock, sheet: &mut Sheet, place: (usize, usize), value: Value) -> Option<()> {
+        let pin = &sheet.element(place.0).pins[place.1];
+        let is_plain = !pin.negated && pin.storage == Storage::None;
+        let (Value::Elementary(expr), PinValue::Operand(node), true) = (&value, &pin.value, is_plain) else {
+            return self.output_pin(ctx, sheet, place, pin, value);
+        };
         let access = self.scl().access(ctx, node, Intent::Write)?;
         let fitted = match access.elementary() {
             Some(to) => moved_value(expr.clone(), to).map(Value::Elementary),

@@ -185,7 +185,8 @@ impl NetworkBinder<'_, '_> {
         good
     }
 
-    fn output_pin(
+    /// Writes a value to one pin of an output: `place` is the element and the pin.
+    pub fn output_pin(
         &mut self,
         ctx: &mut SclBlock,
         sheet: &mut Sheet,
