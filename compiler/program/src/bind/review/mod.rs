@@ -50,9 +50,13 @@ mod timers;
 mod tree;
 mod unchanged;
 
-use plcc_diag::{Code, Diagnostic, Span};
+use std::borrow::Cow;
+
+use plcc_binding::BindInput;
+use plcc_diag::{Code, Diagnostic, FileId, SourceFile, SourceMap, Span};
 use plcc_model::{BlockKey, Body, CodeBlock};
 use plcc_syntax::ast;
+use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
 
@@ -68,7 +72,8 @@ enum Language {
 /// The messages about the statements of `blocks`, which are those of the user. `mains`: the blocks that the CPU calls in each cycle.
 pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKey]) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let sources = program.globals.input.sources;
+    let read = as_read(program.globals.input);
+    let sources = read.as_ref();
     let blocks: Vec<(&CodeBlock, Language)> =
         blocks.iter().filter_map(|block| Some((block, language(program, block)?))).collect();
     for (block, language) in &blocks {
@@ -82,7 +87,7 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 endless::jumps(statements, &mut found);
                 numbers::review(statements, &program.numbers, sources, &mut found);
                 bcd::review(statements, &program.numbers, sources, &mut found);
-                opened::review(program, statements, &mut found);
+                opened::review(program, statements, sources, &mut found);
             }
             Body::Scl(body) if *language != Language::Chart => {
                 tree::labels(body, sources, &mut found);
@@ -124,8 +129,23 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
     outputs::review(&blocks, mains, &told, &mut found);
     overlaps::review(&blocks, &|span| program.globals.text(span), &mut found);
     recursion::review(&blocks, &|key| program.globals.shown(key), &mut found);
-    timers::review(program, &blocks, &mut found);
+    timers::review(program, &blocks, sources, &mut found);
     found
+}
+
+/// The sources as the parsers read them: in place of an export its overlay, in which the statements are.
+fn as_read<'i>(input: &BindInput<'i>) -> Cow<'i, SourceMap> {
+    let overlay = |(file, unit): &'i (FileId, ast::SourceUnit)| Some((*file, unit.overlay.as_deref()?));
+    let overlays: FxHashMap<FileId, &str> = input.units.iter().filter_map(overlay).collect();
+    if overlays.is_empty() {
+        return Cow::Borrowed(input.sources);
+    }
+    let mut read = SourceMap::default();
+    for (id, file) in input.sources.files() {
+        let text = overlays.get(&id).copied().unwrap_or(&file.text);
+        read.add(SourceFile::new(file.name.as_str(), text));
+    }
+    Cow::Owned(read)
 }
 
 fn is_in(inner: Span, outer: Span) -> bool {

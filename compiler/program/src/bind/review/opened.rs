@@ -31,8 +31,13 @@ enum Opener {
 }
 
 /// Reports accesses to the open data block after something else than an OPN has opened another one.
-pub fn review(program: &mut Declarations, statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
-    let sources = program.globals.input.sources;
+/// `sources`: as they were read.
+pub fn review(
+    program: &mut Declarations,
+    statements: &[StlStatement],
+    sources: &SourceMap,
+    found: &mut Vec<Diagnostic>,
+) {
     if !matches!(program.globals.input.profile.family, Family::S7300 | Family::S7400) {
         return;
     }

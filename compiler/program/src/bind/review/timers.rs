@@ -2,7 +2,7 @@
 //! out at once.
 
 use plcc_abi::image::BlockKind;
-use plcc_diag::{Code, Diagnostic, Span};
+use plcc_diag::{Code, Diagnostic, SourceMap, Span};
 use plcc_model::scl::{Access, Actual, Call, Expr, ExprKind, Instance, walk};
 use plcc_model::types::{DataType, Elementary};
 use plcc_model::{BlockKey, Body, CodeBlock};
@@ -16,8 +16,13 @@ use plcc_binding::fold;
 const TIME: &str = "PT";
 
 /// Reports calls of timers with a negative time, and those without `PT` if no call of that instance has it and the program sets no
-/// component PT.
-pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: &mut Vec<Diagnostic>) {
+/// component PT. `sources`: as they were read.
+pub fn review(
+    program: &Declarations,
+    blocks: &[(&CodeBlock, Language)],
+    sources: &SourceMap,
+    found: &mut Vec<Diagnostic>,
+) {
     let mut timed: FxHashSet<(Option<BlockKey>, String)> = FxHashSet::default();
     let mut bare: Vec<(Option<BlockKey>, String, Span)> = Vec::new();
     for (block, language) in blocks {
@@ -44,7 +49,7 @@ pub fn review(program: &Declarations, blocks: &[(&CodeBlock, Language)], found: 
         }
     }
     bare.retain(|(own, instance, _)| !timed.contains(&(*own, instance.clone())));
-    if bare.is_empty() || sets_a_time(program) {
+    if bare.is_empty() || sets_a_time(sources) {
         return;
     }
     let mut told = FxHashSet::default();
@@ -83,8 +88,8 @@ fn is_negative(value: &Expr) -> bool {
 }
 
 /// Whether a source names a component PT, as in `#t.PT := #delay` and `t : TON := (PT := T#5S)`, or has PRESET_TIMER.
-fn sets_a_time(program: &Declarations) -> bool {
-    program.globals.input.sources.files().any(|(_, file)| {
+fn sets_a_time(sources: &SourceMap) -> bool {
+    sources.files().any(|(_, file)| {
         let upper = file.text.to_ascii_uppercase();
         let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
         upper.contains("PRESET_TIMER")
