@@ -1,8 +1,9 @@
 //! Statements of STL: `StatementList`.
 
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    AddressRegister, Area, BlockName, Bound, Call, CellKind, CodeBlock, Operand, OperandKind, Path, PathPart, PathRoot,
-    SpecialRegister, Statement, StatementKind, StatusOperand, Width,
+    AddressRegister, Area, BlockName, Bound, Call, CellKind, CodeBlock, Operand, OperandKind, Parameter, Path,
+    PathPart, PathRoot, SpecialRegister, Statement, StatementKind, StatusOperand, Width,
 };
 use plcc_syntax::scl::ast::NameForm;
 use plcc_syntax::stl::{Mnemonics, StlInsn};
@@ -206,10 +207,8 @@ impl Maker<'_, '_, '_> {
             (OperandKind::Path(path), instance) => match (self.declared(path), &path.root) {
                 // A multi-instance, by the type of its declaration.
                 (Some(of), _) if instance.is_none() => (Some(of), Some(&call.target)),
-                // An instruction, by its name alone. Types that its actuals name have no place in the call.
-                (None, PathRoot::Bare { name, .. }) if path.parts.is_empty() && !names_types(call) => {
-                    (Some(name.clone()), instance.as_ref())
-                }
+                // An instruction, by its name alone.
+                (None, PathRoot::Bare { name, .. }) if path.parts.is_empty() => (Some(name.clone()), instance.as_ref()),
                 _ => (None, None),
             },
             _ => (None, None),
@@ -219,9 +218,16 @@ impl Maker<'_, '_, '_> {
             return self.writer.refuse(call.target.span, "SimaticML has no form for this call", help);
         };
         let is_fb = instance.is_some();
+        let is_own = self.library.blocks.contains_key(&name.to_lowercase());
+        let types = if is_own { Vec::new() } else { self.types(call) };
         // `CALL TON, #wait`: data of the type IEC_TIMER does not say which instruction has it.
         let is_bare = matches!(&call.target.kind, OperandKind::Path(Path { root: PathRoot::Bare { .. }, .. }));
-        let mut info = if is_bare && call.instance.is_some() {
+        let is_instruction = match &call.instance {
+            Some(_) => is_bare || !types.is_empty(),
+            // The type of a multi-instance is that of its declaration.
+            None => instance.is_none() && !types.is_empty(),
+        };
+        let mut info = if is_instruction {
             self.numbered("Instruction").with("Name", &name)
         } else {
             self.numbered("CallInfo").with("Name", &name).with("BlockType", if is_fb { "FB" } else { "FC" })
@@ -243,7 +249,13 @@ impl Maker<'_, '_, '_> {
             node.attributes.push(("Scope", scope.to_string()));
             info.push(node);
         }
+        if is_instruction {
+            info.children.extend(types);
+        }
         for parameter in &call.parameters {
+            if is_instruction && self.named_type(parameter).is_some() {
+                continue;
+            }
             let mut node = self.numbered("Parameter").with("Name", &parameter.name);
             let known = self.library.blocks.get(&name.to_lowercase());
             let section = known.and_then(|(_, sections, _)| {
@@ -267,6 +279,36 @@ impl Maker<'_, '_, '_> {
             info.push(node);
         }
         row.push(Node::new("Access").with("Scope", "Call").with("UId", uid).child(info));
+    }
+
+    /// The types and the relation that a call of an instruction names, in braces or as its first parameters.
+    fn types(&self, call: &Call) -> Vec<Node> {
+        let in_braces = call.types.iter().map(|named| {
+            let is_of_program = self.library.types.contains(&named.ty.to_lowercase());
+            (named.name.clone(), if is_of_program { format!("\"{}\"", named.ty) } else { named.ty.clone() })
+        });
+        let in_list = call.parameters.iter().filter_map(|one| Some((one.name.clone(), self.named_type(one)?)));
+        let node = |(name, ty): (String, String)| {
+            let kind = if is_relation(&name) { "Operation" } else { "Type" };
+            Node::of("TemplateValue", ty).with("Name", name).with("Type", kind)
+        };
+        in_braces.chain(in_list).map(node).collect()
+    }
+
+    /// The type that `value_type := Int` among the parameters of an instruction names.
+    fn named_type(&self, parameter: &Parameter) -> Option<String> {
+        let OperandKind::Path(path) = &parameter.actual.as_ref()?.kind else { return None };
+        let of_type = parameter.name.to_ascii_lowercase().ends_with("type");
+        match &path.root {
+            _ if !path.parts.is_empty() => None,
+            PathRoot::Bare { name, .. } => {
+                (of_type && is_type(name) || is_relation(&parameter.name)).then(|| name.clone())
+            }
+            PathRoot::Quoted { name, .. } => {
+                (of_type && self.library.types.contains(&name.to_lowercase())).then(|| format!("\"{name}\""))
+            }
+            PathRoot::Local { .. } | PathRoot::Block(_) => None,
+        }
     }
 
     fn declared(&self, path: &Path) -> Option<String> {
@@ -399,10 +441,16 @@ impl Maker<'_, '_, '_> {
     }
 }
 
-/// `CALL MOVE` with `value_type := Int` or `{value_type := Int}`.
-fn names_types(call: &Call) -> bool {
-    let is_type = |name: &str| name.to_ascii_lowercase().ends_with("_type");
-    !call.types.is_empty() || call.parameters.iter().any(|parameter| is_type(&parameter.name))
+/// A word that is the name of a type.
+fn is_type(word: &str) -> bool {
+    let upper = word.to_ascii_uppercase();
+    let others = ["STRING", "WSTRING", "DT", "DATE_AND_TIME", "DTL", "VARIANT"];
+    Elementary::from_word(&upper).is_some() || others.contains(&upper.as_str())
+}
+
+/// The relation of T_COMP or S_COMP: `relation := EQ`.
+fn is_relation(name: &str) -> bool {
+    name.eq_ignore_ascii_case("relation")
 }
 
 fn component(name: &str) -> Node {

@@ -88,8 +88,8 @@ fn call(reader: &mut Reader, info: Node, whose: &str) -> Result<(), Refused> {
     for part in elements(info) {
         match part.tag_name().name() {
             "Parameter" => parameters.push(part),
-            // The type of an instance is known from its declaration.
-            "TemplateValue" if instance.is_none() && part.attribute("Type") == Some("Type") => {
+            // The type of an instance is known from its declaration. Others have types, and T_COMP a relation.
+            "TemplateValue" if instance.is_none() && part.attribute("Type") != Some("Cardinality") => {
                 let name = operand::plain_or_quoted(part.attribute("Name").unwrap_or_default());
                 types.push(format!("{name} := {}", operand::plain_or_quoted(&text_of(part))));
             }

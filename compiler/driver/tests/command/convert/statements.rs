@@ -66,6 +66,21 @@ fn values_of_functions_without_a_mark_are_local_in_xml() {
     assert!(found.contains("1 passed, 0 failed"), "{found}");
 }
 
+/// Instructions that STL calls for types: `CALL LIMIT {value_type := Int}`, and `relation := EQ` of comparisons.
+#[test]
+fn calls_for_types_stay_in_xml() {
+    let lists = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/syntax");
+    for list in ["tia_instructions", "tia_move", "tia_block_moves", "tia_times_and_texts", "tia_functions_of_texts"] {
+        let list = lists.join(list).with_extension("stl").display().to_string();
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let folder = folder.path();
+        let made = plcc(folder, &["convert", &list, "--to", "xml", "-o", "a.xml"]);
+        assert_eq!(made.status.code(), Some(0), "{list}: {}", text(&made.stderr));
+        let tested = plcc(folder, &["test", "a.xml"]);
+        assert_eq!(tested.status.code(), Some(0), "{list}: {}{}", text(&tested.stdout), text(&tested.stderr));
+    }
+}
+
 #[test]
 fn sources_of_the_s7_200_have_both_mnemonics() {
     expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");
