@@ -116,7 +116,8 @@ fn settings(
 }
 
 /// Whether the new files follow the rules of the sources if nothing names a CPU: all blocks are of the TIA Portal, and the files imply the
-/// same CPU as the sources, `implied`. Its name would choose the rules of an S7-300, which are stricter.
+/// same CPU as the sources, `implied`. Its name would choose the rules of an S7-300, which are stricter. In XML, optimized access implies an
+/// S7-1500, whose rules the sources follow as well.
 fn keeps_rules(parsed: &pipeline::Parsed, (to, files): (ConvertTo, &[Converted]), implied: &Profile) -> bool {
     let is_of_portal = |block: &Block| match block {
         Block::Code(code) => match &code.code {
@@ -140,7 +141,9 @@ fn keeps_rules(parsed: &pipeline::Parsed, (to, files): (ConvertTo, &[Converted])
             (id, plcc_readers::parse(id, &file.text, &options).0)
         })
         .collect();
-    plcc_program::implied_profile(&units) == *implied
+    let of_files = plcc_program::implied_profile(&units);
+    let is_unnamed_300 = implied.family == Family::S7300 && !implied.limits_checked;
+    of_files == *implied || is_unnamed_300 && of_files.family == Family::S71500
 }
 
 /// The CPU of the first source that names one.

@@ -52,6 +52,33 @@ fn projects_without_a_cpu_stay_without_one() {
     }
 }
 
+/// Optimized access implies an S7-1500 in XML, and nothing in SCL: both follow the same rules if nothing names a CPU.
+#[test]
+fn optimized_access_names_no_other_cpu() {
+    const SCL: &str = r#"FUNCTION_BLOCK "Sum"
+{ S7_Optimized_Access := 'TRUE' }
+VERSION : 0.1
+VAR
+  b : Byte;
+  i : Int;
+END_VAR
+BEGIN
+  #i := #i + #b;
+END_FUNCTION_BLOCK
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::create_dir(folder.join("sources")).expect("the folder can be written");
+    fs::write(folder.join("sources/a.scl"), SCL).expect("the folder can be written");
+    for notation in ["xml", "sd"] {
+        let made = plcc(folder, &["convert", "sources", "--to", notation, "-o", &format!("{notation}/")]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        assert!(!folder.join(notation).join("plc.toml").exists(), "{notation}");
+        let checked = plcc(folder, &["check", notation]);
+        assert_eq!(checked.status.code(), Some(0), "{notation}: {}", text(&checked.stderr));
+    }
+}
+
 /// `//@ cpu` names the CPU for conversions that bind the program, too: an S7-300 has no data for any timer.
 #[test]
 fn pragmas_name_the_cpu_of_a_project() {
