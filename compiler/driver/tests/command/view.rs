@@ -128,6 +128,38 @@ fn a_chart_with_german_addresses_is_drawn_with_them() {
     }
 }
 
+/// As the editor draws them. A project in XML has only the pins that are connected.
+#[test]
+fn timers_and_counters_have_all_of_their_outputs() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK Wait\n  VAR\n    t : TON_TIME;\n    c : CTUD_INT;\n  END_VAR\n  { S7_Language := \"LAD\" }\n  \
+                  NETWORK\n    RUNG wire#powerrail Contact( %M0.0 ) { S7_Templates := \"time_type := Time\" } \
+                  #t.TON( pt := T#2s ) Coil( %M0.1 ) END_RUNG\n  END_NETWORK\n  { S7_Language := \"LAD\" }\n  NETWORK\n    \
+                  RUNG wire#powerrail Contact( %M0.2 ) { S7_Templates := \"value_type := Int\" } \
+                  #c.CTUD( cd := %M0.3, r := FALSE, ld := FALSE, pv := 5, cv => %MW4 ) END_RUNG\n  END_NETWORK\n\
+                  END_FUNCTION_BLOCK\n";
+    fs::write(folder.join("wait.s7dcl"), source).expect("the folder can be written");
+    let arguments = ["view", "wait.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let picture = |number: usize| {
+        let path = folder.join(format!("drawings/FB_1_network_{number}.svg"));
+        fs::read_to_string(path).unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)))
+    };
+    // The height of the row of a pin.
+    let row = |picture: &str, pin: &str| {
+        let line = picture.lines().find(|line| line.contains(&format!(">{pin}</text>")));
+        let line = line.unwrap_or_else(|| panic!("{pin} in {picture}"));
+        let y = line.split(" y=\"").nth(1).and_then(|rest| rest.split('"').next());
+        y.and_then(|y| y.parse::<i32>().ok()).expect("a text has a place")
+    };
+    let timer = picture(1);
+    assert_eq!([row(&timer, "Q"), row(&timer, "ET")], [row(&timer, "IN"), row(&timer, "PT")]);
+    let counter = picture(2);
+    let outputs = ["QU", "QD", "CV"].map(|pin| row(&counter, pin));
+    assert_eq!(outputs, ["CU", "CD", "R"].map(|pin| row(&counter, pin)));
+}
+
 #[test]
 fn a_view_without_an_output_names_both_kinds() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -4,7 +4,7 @@ use plcc_syntax::network::ast::{
     Content, Element, Graph, Language, Network, PinValue, Source as GraphSource, Storage, Target, TemplateKey,
 };
 use plcc_syntax::network::draw;
-use plcc_syntax::network::elements::{Gate, Kind, Row};
+use plcc_syntax::network::elements::{Gate, Kind, PinDirection, Row};
 use plcc_syntax::scl::ast::Expr;
 
 use super::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
@@ -53,6 +53,11 @@ fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, la
     }
     let parts = graph.elements.iter().map(|element| part(element, language, label)).collect();
     let mut sheet = Sheet { parts, nets };
+    for (at, element) in graph.elements.iter().enumerate() {
+        if let Target::Element { row, .. } = &element.target {
+            sheet.add_outputs(at, row);
+        }
+    }
     if language == Language::Fbd {
         sheet.negations_at_pins();
     }
@@ -254,6 +259,42 @@ impl Sheet {
             {
                 *instance = Some(names.label(title, scope));
                 *title = block;
+            }
+        }
+    }
+
+    /// The box of an IEC timer or counter has all of its outputs, also those that nothing is connected to.
+    fn add_outputs(&mut self, at: usize, row: &Row) {
+        let is_cell = matches!(row.kind, Kind::Instance(_)) && row.flow.1 != "eno";
+        let outputs = row.pins().filter(|pin| pin.direction == PinDirection::Output && pin.name() != "eno");
+        let mut next = self.parts[at].pins.iter().position(|pin| pin.output).unwrap_or(self.parts[at].pins.len());
+        for output in outputs.filter(|_| is_cell) {
+            let own = self.parts[at].pins.iter().position(|pin| pin.output && output.matches(&pin.name).is_some());
+            if own.is_none() {
+                let name = output.name().to_uppercase();
+                let pin = Pin { name, place: Place::Side, output: true, link: Link::Open, negated: false };
+                self.insert_pin(at, next, pin);
+                if output.name() == row.flow.1 {
+                    self.parts[at].flow_out = Some(next);
+                }
+            }
+            next = own.unwrap_or(next) + 1;
+        }
+    }
+
+    /// Gives a part a further pin before another one.
+    fn insert_pin(&mut self, at: usize, before: usize, pin: Pin) {
+        let part = &mut self.parts[at];
+        part.pins.insert(before, pin);
+        for flow in part.flow_in.iter_mut().chain(&mut part.flow_out).filter(|flow| **flow >= before) {
+            *flow += 1;
+        }
+        for source in self.nets.iter_mut().flat_map(|net| &mut net.sources) {
+            if let Source::Pin { part, pin } = source
+                && *part == at
+                && *pin >= before
+            {
+                *pin += 1;
             }
         }
     }
