@@ -285,3 +285,24 @@ fn no_line_leads_from_the_rail_to_a_box_without_en() {
     assert_eq!(scene.items.iter().filter(is_lead).count(), 1, "only that of the contact");
     assert_eq!(bottom.1 - top.1, 24, "the rail is not longer than its lines need");
 }
+
+/// In the last column its wire would have to pass those of the boxes between.
+#[test]
+fn a_coil_at_a_wire_that_leads_on_stands_right_after_what_feeds_it() {
+    let boxed = |from: usize, to: usize| part(3, from, Some(to), None, None);
+    let coil = |from: usize| part(0, from, None, None, None);
+    let sheet = finished(vec![boxed(0, 1), coil(1), boxed(1, 2), boxed(2, 3), coil(3)], 4);
+    let scene = diagram::draw(&sheet, 4000);
+    check("FBD", &scene, &sheet);
+    let coil_at = |wanted: usize| {
+        let found = scene.items.iter().find_map(|item| match item {
+            Item::Glyph { area, part, .. } if *part == wanted => Some(area.x),
+            _ => None,
+        });
+        found.expect("the coil is drawn")
+    };
+    let frames =
+        scene.items.iter().filter_map(|item| if let Item::Frame { area, .. } = item { Some(area.x) } else { None });
+    let last = frames.max().expect("the boxes are drawn");
+    assert!(coil_at(1) < last && last < coil_at(4), "{} {last} {}", coil_at(1), coil_at(4));
+}

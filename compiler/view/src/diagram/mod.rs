@@ -1,9 +1,9 @@
 //! Drawings of FBD: boxes in columns from left to right, and wires in the channels between the columns.
 //!
-//! A box stands left of all that it feeds, as far to the right as possible, so that a gate stands next to the box that needs it. A wire
-//! that passes a column has a place of its own there. In a channel each net has at most one vertical line; no two lines are on top of each
-//! other, since the ends of nets at both sides of a channel have different heights (`place`), and nets whose vertical lines would meet
-//! have different tracks (`route`).
+//! A box stands left of all that it feeds, as far to the right as possible, so that a gate stands next to the box that needs it; a coil at
+//! a wire that leads on stands right after what feeds it. A wire that passes a column has a place of its own there. In a channel each net
+//! has at most one vertical line; no two lines are on top of each other, since the ends of nets at both sides of a channel have different
+//! heights (`place`), and nets whose vertical lines would meet have different tracks (`route`).
 
 mod place;
 mod route;

@@ -128,7 +128,8 @@ fn readers(sheet: &Sheet, drawn: &[usize]) -> Vec<Vec<usize>> {
     readers
 }
 
-/// The column of each part: as far to the right as what it feeds allows.
+/// The column of each part: as far to the right as what it feeds allows. A coil at a wire that leads on stands right after what feeds it:
+/// in the last column, that wire would pass all the others on its way.
 fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
     // Distance from the right, over the parts that read its outputs. Loops are cut where they close.
     let mut readers = readers(sheet, drawn);
@@ -180,7 +181,23 @@ fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
         }
     }
     let deepest = depth.iter().flatten().copied().max().unwrap_or(0);
-    depth.iter().map(|depth| deepest - depth.unwrap_or(0)).collect()
+    let mut columns: Vec<usize> = depth.iter().map(|depth| deepest - depth.unwrap_or(0)).collect();
+    for &at in drawn {
+        let part = &sheet.parts[at];
+        let Some(net) = part.net(part.flow_in).filter(|_| matches!(part.look, Look::Coil { .. })) else { continue };
+        let ends = part.net(part.flow_out).is_none();
+        let leads_on = readers[net].iter().any(|other| columns[*other] < columns[at]);
+        let feeders = sheet.nets[net].sources.iter().map(|source| match source {
+            Source::Pin { part, .. } => Some(columns[*part]),
+            Source::Rail | Source::Operand { .. } | Source::Net(_) => None,
+        });
+        let feeders: Option<Vec<usize>> = feeders.collect();
+        let after = feeders.and_then(|columns| columns.into_iter().max()).map(|column| column + 1);
+        if let Some(after) = after.filter(|after| ends && leads_on && *after < columns[at]) {
+            columns[at] = after;
+        }
+    }
+    columns
 }
 
 /// Columns that fit beside each other.
