@@ -93,15 +93,21 @@ fn an_address_in_an_action_of_a_chart_is_drawn_as_elsewhere() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let source = "FUNCTION_BLOCK FB 1\nINITIAL_STEP Run (*$_NUM 1*):\nM11.0 := M11.7   (N)\nM11.1 := NOT M11.6   (N)\n\
-                  MW20 := SHL(IN := MW22, N := 1)   (N)\nEND_STEP\nTRANSITION T_1 (*$_NUM 1*)\n  FROM Run\n  \
+                  MW20 := SHL(IN := MW22, N := 1)   (N)\nM11.2 := \"Open M11.6 now\"   (N)\nEND_STEP\nTRANSITION T_1 (*$_NUM 1*)\n  FROM Run\n  \
                   TO Run (*$_JUMP*)\nCONDITION := M0.0\nEND_TRANSITION\nEND_FUNCTION_BLOCK\n";
     fs::write(folder.join("run.gr7"), source).expect("the folder can be written");
-    fs::write(folder.join("symbols.sdf"), "\"Ready\",\"M 11.6\",\"BOOL\",\"\"\n").expect("the folder can be written");
+    let symbols = "\"Ready\",\"M 11.6\",\"BOOL\",\"\"\n\"Open M11.6 now\",\"M 11.5\",\"BOOL\",\"\"\n";
+    fs::write(folder.join("symbols.sdf"), symbols).expect("the folder can be written");
     let arguments = ["view", "run.gr7", "symbols.sdf", "--cpu", "315-2DP", "-o", "drawings"];
     let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
     let picture = fs::read_to_string(folder.join("drawings/FB_1.svg"));
     let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
-    for text in [">M11.0 := M11.7<", ">M11.1 := NOT &quot;Ready&quot;<", ">MW20 := SHL(IN := MW22, N := 1)<"] {
+    for text in [
+        ">M11.0 := M11.7<",
+        ">M11.1 := NOT &quot;Ready&quot;<",
+        ">MW20 := SHL(IN := MW22, N := 1)<",
+        ">M11.2 := &quot;Open M11.6 now&quot;<",
+    ] {
         assert!(picture.contains(text), "{text} in {picture}");
     }
 }

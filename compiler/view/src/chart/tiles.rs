@@ -243,10 +243,20 @@ impl Tiles<'_> {
 
     /// A formula, whose operands look as they do elsewhere in the chart: an address has no `%`, or is its symbol.
     fn formula(&self, value: &Expr) -> String {
-        let is_end = |c: char| matches!(c, ' ' | '(' | ')' | '[' | ']' | ',');
+        let is_sign = |c: char| matches!(c, ' ' | '(' | ')' | '[' | ']' | ',');
         let label = |part: &str| {
-            let (word, rest) = part.split_at(part.trim_end_matches(is_end).len());
+            let (word, rest) = part.split_at(part.trim_end_matches(is_sign).len());
             format!("{}{rest}", self.names.label(word, self.scope).text)
+        };
+        // What is in quotes is one word.
+        let mut quote: Option<char> = None;
+        let is_end = |c: char| {
+            let is_quote = matches!(c, '"' | '\'');
+            match quote {
+                Some(own) => quote = quote.filter(|_| own != c),
+                None => quote = Some(c).filter(|_| is_quote),
+            }
+            quote.is_none() && is_sign(c)
         };
         draw::formula(value).split_inclusive(is_end).map(label).collect()
     }
