@@ -86,7 +86,10 @@ impl<'a> Classifier<'a, '_> {
                         .label("the code has begun already")
                         .help("move the declarations between the header and `BEGIN`"),
                 );
-                self.skip_section();
+                match upper.as_str() {
+                    "END_VAR" => self.skip_section(),
+                    _ => self.section_after_begin(),
+                }
             }
             RawKind::Word if upper.as_str() == "BEGIN" => {
                 self.report(

@@ -113,6 +113,22 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
+    /// Declarations after `BEGIN`, which are reported: those before the first statement count as if they were before `BEGIN`.
+    pub(super) fn section_after_begin(&mut self) {
+        /// NETWORK and its title.
+        const HEADS_MAX: usize = 2;
+        let last = self.out.iter().rev().take(HEADS_MAX);
+        let heads = last.take_while(|(_, token, _)| matches!(token, Tok::Network | Tok::Title(_))).count();
+        let begin = self.out.len().checked_sub(heads + 1).filter(|at| matches!(self.out[*at].1, Tok::Begin));
+        let Some(begin) = begin else { return self.skip_section() };
+        let end = self.out.len();
+        while is_section(self.upper(self.at).as_str()) {
+            self.section();
+        }
+        let sections = self.out.split_off(end);
+        self.out.splice(begin..begin, sections);
+    }
+
     /// Whether the first part of a chart is here: `INITIAL_STEP Wait`. Function blocks with charts are read elsewhere.
     fn chart_begins(&self) -> bool {
         let named = self.raw_at(self.at + 1).is_some_and(|name| !name.first_on_line && name.kind == RawKind::Word);
