@@ -241,7 +241,10 @@ impl Classifier<'_, '_> {
             self.pragmas_in_call(token.start);
             let after_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
             match token.kind {
-                RawKind::RightParen => return self.take(Tok::RightParen),
+                RawKind::RightParen => {
+                    self.comma_at_end();
+                    return self.take(Tok::RightParen);
+                }
                 RawKind::Semicolon if after_operand && self.is_parameter(self.at + 1) => {
                     let name = self.slice(self.raw[self.at + 1]);
                     let help = format!("write `, {name} := …`");
@@ -287,6 +290,21 @@ impl Classifier<'_, '_> {
         );
         let end = self.last_end();
         self.push(end, Tok::RightParen, end);
+    }
+
+    /// Reports a `,` after the last parameter, before the `)` that comes next.
+    fn comma_at_end(&mut self) {
+        // After another comma, and after the opening parenthesis, it is reported elsewhere.
+        if let [.., (_, before, _), (start, Tok::Comma, end)] = &self.out[..]
+            && !matches!(before, Tok::Comma | Tok::LeftParen)
+        {
+            let span = self.span_of(*start, *end);
+            self.report(
+                Diagnostic::new(Code::Syntax, span, "a list of parameters cannot end with `,`")
+                    .label("no parameter follows")
+                    .help("remove the `,`"),
+            );
+        }
     }
 
     /// A pragma inside a statement cannot be executed.
