@@ -125,7 +125,8 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 5] = [
+    const SOURCES: [&str; 6] = [
+        "language/dtl_constants_tia",
         "language/parts_of_variables_tia",
         "language/small_and_unsigned_tia",
         "language/text_assignments_tia",

@@ -1,8 +1,8 @@
 //! Statements: assignments, branches, loops and jumps.
 
 use plcc_model::scl::{Access, Arm, CompareOp, Complex, Expr, ExprKind, Statement, StatementKind};
-use plcc_model::types::Elementary;
-use plcc_syntax::ast::{self, BlockName, BlockPrefix, Operand, OperandKind};
+use plcc_model::types::{DataType, Elementary, Member};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, Operand, OperandKind, PathPart};
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
@@ -138,6 +138,11 @@ impl Maker<'_> {
 
     /// An array or a structure.
     fn copy(&mut self, target: &Access, source: &Complex, statement: &Statement) {
+        if let Complex::Const(bytes) = source
+            && self.store_components(target, bytes)
+        {
+            return;
+        }
         let Complex::Variable(source) = source else {
             return self.refuse(statement.span, "this assignment of a whole variable", "assign its components");
         };
@@ -160,6 +165,22 @@ impl Maker<'_> {
             parameters: vec![parameter("SRCBLK", from), parameter("RET_VAL", result), parameter("DSTBLK", to)],
         };
         self.push_kind(ast::StatementKind::Call(Box::new(call)));
+    }
+
+    /// A constant structure, such as a DTL, component by component; false: STL cannot do that.
+    fn store_components(&mut self, target: &Access, bytes: &[u8]) -> bool {
+        let DataType::Struct(structure) = &target.ty else { return false };
+        let values: Option<Vec<_>> = structure.members.iter().map(|member| component(member, bytes)).collect();
+        let Some(values) = values.filter(|_| self.is_direct(target)) else { return false };
+        let Some(Operand { kind: OperandKind::Path(path), .. }) = self.operand(target) else { return false };
+        for (name, ty, bits) in values {
+            let mut path = path.clone();
+            path.parts.push(PathPart::Member { name, span: self.span });
+            let constant = self.constant(ty, bits);
+            self.push(StlInsn::Load, Some(constant));
+            self.push(StlInsn::Transfer, Some(Operand { kind: OperandKind::Path(path), span: self.span }));
+        }
+        true
     }
 
     // Branches.
@@ -352,4 +373,12 @@ impl Maker<'_> {
         self.at(until.span.end);
         self.close_labels();
     }
+}
+
+/// The name, the type and the value of a component with 8 to 32 bits, out of the bytes of its structure.
+fn component(member: &Member, bytes: &[u8]) -> Option<(String, Elementary, u64)> {
+    let DataType::Elementary(ty) = member.ty else { return None };
+    let (start, bits) = (member.byte as usize, ty.bits());
+    let own = bytes.get(start..start + bits as usize / 8).filter(|_| (8..=32).contains(&bits))?;
+    Some((member.name.clone(), ty, own.iter().fold(0, |value, byte| (value << 8) | u64::from(*byte))))
 }
