@@ -1,6 +1,6 @@
 //! MOVE, MUX, DEMUX. Source: LAD/FBD reference C.10, C.13.
 
-use plcc_syntax::network::ast::{PinValue, Storage, TemplateKey};
+use plcc_syntax::network::ast::{Pin, PinValue, Storage, TemplateKey};
 use plcc_syntax::{Class, Elementary};
 
 use super::pins::{connected, no, outputs};
@@ -124,17 +124,26 @@ impl NetworkBinder<'_, '_> {
             None => value,
         };
         let outer = std::mem::take(&mut sheet.statements);
-        // All branches write one variable of a net.
-        let known: Vec<_> = outputs(sheet.element(at), "out").map(|(index, _)| (at, index)).collect();
-        let net = known.iter().find_map(|place| sheet.outputs.get(place).cloned());
-        let sent = match (net, value) {
-            (Some(Expr { kind: plcc_model::scl::ExprKind::Load(access), .. }), Value::Elementary(value)) => {
-                let span = value.span;
-                sheet.push(StatementKind::Assign { target: *access, value }, span);
-                Some(())
-            }
-            (_, value) => self.output(ctx, sheet, at, "out", value),
+        let outs: Vec<(usize, &Pin)> = outputs(sheet.element(at), "out").collect();
+        let value = match value {
+            Value::Elementary(expr) if outs.len() > 1 => Value::Elementary(sheet.keep(ctx, expr)),
+            value => value,
         };
+        let mut sent = Some(());
+        for (index, pin) in outs {
+            let place = (at, index);
+            // All branches write one variable of a net.
+            let net = sheet.outputs.get(&place).cloned();
+            let one = match (net, value.clone()) {
+                (Some(Expr { kind: plcc_model::scl::ExprKind::Load(access), .. }), Value::Elementary(value)) => {
+                    let span = value.span;
+                    sheet.push(StatementKind::Assign { target: *access, value }, span);
+                    Some(())
+                }
+                (_, value) => self.output_pin(ctx, sheet, place, pin, value),
+            };
+            sent = one.and(sent);
+        }
         let body = std::mem::replace(&mut sheet.statements, outer);
         sent.map(|()| body)
     }
