@@ -92,20 +92,34 @@ pub fn build(reader: &mut Reader, body: &mut Body, objects: &[Object], order: &[
     build.finish()
 }
 
-/// The words of a text, in lower case.
+/// The names in a text, in lower case.
 fn words(text: &str) -> impl Iterator<Item = String> {
-    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| !word.is_empty());
-    words.map(str::to_lowercase)
+    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+    words.filter(|word| word.starts_with(|c: char| !c.is_ascii_digit())).map(str::to_lowercase)
 }
 
 /// Whether two variables share no memory, and neither is an index of the other. Both in lower case.
 fn are_apart(one: &str, other: &str) -> bool {
+    if let (Some((array, own)), Some((same, others))) = (array_element(one), array_element(other))
+        && array == same
+        && own != others
+    {
+        return true;
+    }
     if one.contains('[') || other.contains('[') {
         return words(one).all(|word| words(other).all(|own| own != word));
     }
     let is_part =
         |part: &str, whole: &str| part.strip_prefix(whole).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
     !is_part(one, other) && !is_part(other, one)
+}
+
+/// The array and the indices of `cells[1, 2]`, or a component of it, if the indices are numbers.
+fn array_element(text: &str) -> Option<(&str, Vec<i64>)> {
+    let (array, rest) = text.split_once('[')?;
+    let (indices, component) = rest.split_once(']')?;
+    let indices: Option<Vec<i64>> = indices.split(',').map(|index| index.trim().parse().ok()).collect();
+    indices.filter(|_| !component.contains('[')).map(|indices| (array.trim(), indices))
 }
 
 fn name(text: impl Into<String>, form: NameForm, span: Span) -> Expr {
@@ -273,11 +287,16 @@ impl Build<'_, '_, '_> {
         {
             return self.write(at, object, origins);
         }
+        let enable = match (turn, origins.as_slice()) {
+            (Some(_), [Origin::Pin(element, formal)]) if !formal.eq_ignore_ascii_case("ENO") => self.enable(*element),
+            _ => None,
+        };
         let operand = self.operand(object);
         let value = self.input(Some(input), object.span);
         let span = object.span;
         let is_value = matches!(&value, PinValue::Operand(_)) || turn == Some(Turn::Value) || becomes_float;
-        let (row, mut pins) = if is_value && is_plain {
+        let is_kept = enable.is_some() && object.modifiers.storage == Storage::None;
+        let (row, mut pins) = if is_value && is_plain || is_kept {
             let value = self.as_float(value, input, float.as_ref());
             ("Move", vec![pin("in", value, false, span), pin("out1", operand, true, span)])
         } else {
@@ -289,9 +308,23 @@ impl Build<'_, '_, '_> {
             (row, vec![pin("in", value, false, span), pin("operand", operand, true, span)])
         };
         pins[1].negated = object.modifiers.negated;
+        pins.extend(enable.filter(|_| is_kept));
         if let Some(target) = self.row(row) {
             self.element(Some(at), target, pins, span);
         }
+    }
+
+    /// EN of an element as a pin of another one, which does not run either if it is 0. Both get the signal at the turn of the first.
+    fn enable(&mut self, element: usize) -> Option<Pin> {
+        let is_enable = |pin: &Pin| !pin.output && pin.name.eq_ignore_ascii_case("en");
+        let at = self.graph.elements[element].pins.iter().position(is_enable)?;
+        let mut enable = self.graph.elements[element].pins[at].clone();
+        if let PinValue::Operand(value) = enable.value.clone() {
+            enable.value = PinValue::Net(self.net(vec![Origin::Operand(value, false)], enable.span));
+            self.graph.elements[element].pins[at].value = enable.value.clone();
+        }
+        enable.name = "en".to_string();
+        Some(enable)
     }
 
     /// What goes to a variable that an element after the block names: the variable then changes when its turn comes. None: the block
