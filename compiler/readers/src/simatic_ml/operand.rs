@@ -63,6 +63,8 @@ fn access_at_depth<'a, 'i>(node: Node<'a, 'i>, notation: Notation, depth: usize)
             "Label" => part.attribute("Name").unwrap_or_default().to_string(),
             "Statusword" | "StatusWord" => status(part),
             "PredefinedVariable" => part.attribute("Name").unwrap_or_default().to_string(),
+            // A type of the system has no quotes: `TypeOf(#v) = Int`.
+            "DataType" if scope == "SystemType" && !text_of(part).starts_with('"') => text_of(part),
             "DataType" => quoted(text_of(part).trim_matches('"')),
             "Indirect" => indirect(part, notation, depth)?,
             // An index may be the value of a function.
