@@ -87,16 +87,29 @@ fn is_negative(value: &Expr) -> bool {
     }
 }
 
-/// Whether a source names a component PT, as in `#t.PT := #delay` and `t : TON := (PT := T#5S)`, or has PRESET_TIMER.
+/// Whether a source names a component PT, as in `#t.PT := #delay` and `t : TON := (PT := T#5S)`, gives it a start value in an export,
+/// or has PRESET_TIMER.
 fn sets_a_time(sources: &SourceMap) -> bool {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
     sources.files().any(|(_, file)| {
         let upper = file.text.to_ascii_uppercase();
-        let ends = |rest: &str| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_');
+        let ends = |rest: &str| !rest.starts_with(is_word);
         upper.contains("PRESET_TIMER")
             || [".PT", ".\"PT", "(PT", "#PT", "( PT"]
                 .iter()
                 .any(|form| upper.match_indices(form).any(|(at, found)| ends(&upper[at + found.len()..])))
+            || upper
+                .match_indices(TIME)
+                .any(|(at, found)| !upper[..at].ends_with(is_word) && is_start_value(&upper[at + found.len()..]))
     })
+}
+
+/// Whether a time above zero comes next, after blanks alone: the start value of a member in the overlay of an export.
+fn is_start_value(rest: &str) -> bool {
+    let value = rest.trim_start();
+    let value = if value.len() < rest.len() { value.split_whitespace().next().unwrap_or_default() } else { "" };
+    let is_time = ["T#", "TIME#", "LT#", "LTIME#"].iter().any(|prefix| value.starts_with(prefix));
+    is_time && value.contains(|c: char| matches!(c, '1'..='9'))
 }
 
 /// Calls of timers: the instance as written, whether PT is given, the place.
