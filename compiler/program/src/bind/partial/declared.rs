@@ -127,6 +127,15 @@ impl Look<'_, '_> {
         }
     }
 
+    /// A missing constant that is the lower bound of an array is below all others.
+    fn lower_bound(&mut self, bound: &Bound) {
+        if let Bound::Name(name, _) = bound
+            && let Some(shape) = self.found.things.get_mut(&Missing::name(name))
+        {
+            shape.is_lower = true;
+        }
+    }
+
     /// Types that a declaration names.
     fn declared_as(&mut self, ty: &TypeRef) {
         match &ty.kind {
@@ -134,6 +143,7 @@ impl Look<'_, '_> {
                 for (low, high) in bounds {
                     self.bound_names(low);
                     self.bound_names(high);
+                    self.lower_bound(low);
                 }
                 self.declared_as(element);
             }

@@ -79,6 +79,8 @@ pub struct Shape {
     pub is_db: bool,
     /// It is used where only a constant is possible.
     pub is_constant: bool,
+    /// The constant is the lower bound of an array.
+    pub is_lower: bool,
     /// A whole variable of the program is an instance of it, or it is called alone: the block of which this data block is an instance.
     pub of: Option<Missing>,
 }
@@ -173,6 +175,7 @@ impl Shape {
             + usize::from(self.is_type)
             + usize::from(self.is_db)
             + usize::from(self.is_constant)
+            + usize::from(self.is_lower)
             + usize::from(self.of.is_some())
             + self.extent as usize;
         let members: usize = self.members.iter().map(|(_, shape)| 1 + shape.weight()).sum();

@@ -28,7 +28,7 @@ const OPENED_BYTES: u32 = 1024;
 /// Last index of an array whose indices are all found at run time.
 const OPEN_INDEX: i64 = 99;
 
-/// The value of the first missing constant; each has its own value.
+/// The value of the first missing constant; each has its own value. Those that are lower bounds of arrays have the values below.
 const FIRST_CONSTANT: i64 = 101;
 
 /// Declarations that stand in.
@@ -98,7 +98,8 @@ impl Writer<'_> {
             };
             let what = match kind {
                 Kind::Constant => {
-                    let value = FIRST_CONSTANT + stand_ins.table.constants.len() as i64;
+                    let count = stand_ins.table.constants.len() as i64;
+                    let value = if shape.is_lower { 1 + count % (FIRST_CONSTANT - 1) } else { FIRST_CONSTANT + count };
                     let (constant, text) = constant(shape, value, span);
                     stand_ins.table.constants.push(constant);
                     format!("a constant of the value {text}")
