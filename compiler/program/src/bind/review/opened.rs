@@ -1,6 +1,6 @@
 //! Accesses to the open data block where another one is open than the OPN before says: `L DB5.DBW 0` opens DB 5, a call of an FB leaves its
-//! instance data block open, and what STEP 7 makes of a call of an FC may open the data block of an actual parameter. A warning is given only
-//! where no label is between.
+//! instance data block open, and what STEP 7 makes of a call of an FC may open the data block of an actual parameter. And accesses beyond
+//! the end of the data block that an OPN has opened. A warning is given only where no label is between.
 
 use plcc_abi::image::Family;
 use plcc_diag::{Code, Diagnostic, SourceMap, Span};
@@ -30,7 +30,7 @@ enum Opener {
     Actual,
 }
 
-/// Reports accesses to the open data block after something else than an OPN has opened another one.
+/// Reports accesses to the open data block after something else than an OPN has opened another one, and those beyond its end.
 /// `sources`: as they were read.
 pub fn review(
     program: &mut Declarations,
@@ -49,6 +49,11 @@ pub fn review(
         if let (Some(at), Some(before), Some(now)) = (accesses, meant, open) {
             found.push(message(at, before, now, sources));
             meant = None;
+        } else if let Some(end) = end_in_open(statement)
+            && let Some(opened) = open.or(meant)
+            && matches!(opened.by, Opener::Statement | Opener::Access)
+        {
+            program.check_db_end(opened.number, end, span);
         }
         let opened = match &statement.kind {
             StlStatementKind::Assert(_) | StlStatementKind::Sleep(_) => continue,
@@ -93,6 +98,16 @@ fn uses_open(statement: &StlStatement) -> Option<Span> {
             let uses = arguments.find(|argument| matches!(&argument.actual, Actual::Place(place) if is_open(place)));
             uses.map(|argument| argument.span)
         }
+        _ => None,
+    }
+}
+
+/// The byte after an access to the open data block at an address that is known.
+fn end_in_open(statement: &StlStatement) -> Option<u32> {
+    match &statement.kind {
+        StlStatementKind::Instruction {
+            operand: Operand::Memory { place: Place::OpenDb { byte, .. }, width }, ..
+        } => byte.checked_add(width.bytes()),
         _ => None,
     }
 }
