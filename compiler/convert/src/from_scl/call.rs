@@ -304,7 +304,8 @@ impl Maker<'_> {
                     parameter: argument.parameter,
                     access,
                     target,
-                    has_value: formal.direction == Direction::InOut || !is_instance,
+                    has_value: formal.direction == Direction::InOut
+                        || (!is_instance && access.elementary() == Some(ty)),
                     from: from.clone(),
                     formal: ty,
                     conversion: *back,
@@ -425,9 +426,9 @@ impl Maker<'_> {
         }
     }
 
-    /// The value that an output has before the call.
+    /// The value that an output has before the call; an IN_OUT gets the bits of its variable.
     fn preload(&mut self, back: &Back) {
-        if back.access.elementary() == Some(back.formal) {
+        if back.access.elementary().is_some_and(|ty| ty.bits() == back.formal.bits()) {
             let operand = self.reach(&back.target, back.formal);
             self.load_and_store(back.formal, operand, back.from.clone());
         }

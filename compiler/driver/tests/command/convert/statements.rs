@@ -434,3 +434,16 @@ fn types_that_contain_themselves_are_looked_into_once() {
     let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "-o", "a.stl"]);
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
 }
+
+/// The formal is an INT, its variable a WORD.
+#[test]
+fn calls_in_charts_get_the_values_of_their_in_out_variables() {
+    let chart = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/graph/calls.gr7");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &chart.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.stl"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("26 passed, 0 failed"), "{found}");
+}
