@@ -36,7 +36,8 @@ pub fn runs(profile: &Profile, units: &[(FileId, SourceUnit)]) -> bool {
 }
 
 /// The CPU of sources that name none: the generic S7-200 for those of Micro/WIN; else the generic S7-300, or the S7-400 if an instruction
-/// needs its accumulators. Exceeding its limits is a warning, because the CPU of the plant may have more.
+/// needs its accumulators. Exceeding its limits is a warning, because the CPU of the plant may have more, unless networks need its registers:
+/// these follow the rules of an S7-300/400 only if it counts as named.
 pub fn implied_profile(units: &[(FileId, SourceUnit)]) -> Profile {
     if is_s7200(units) {
         return profile::generic(Family::S7200);
@@ -46,9 +47,6 @@ pub fn implied_profile(units: &[(FileId, SourceUnit)]) -> Profile {
     }
     if has_free_obs(units) {
         return Profile { limits_checked: false, ..profile::generic(Family::S71500) };
-    }
-    if has_registers(units) {
-        return profile::generic(Family::S7300);
     }
     let statements = units
         .iter()
@@ -64,7 +62,8 @@ pub fn implied_profile(units: &[(FileId, SourceUnit)]) -> Profile {
         StatementKind::Empty | StatementKind::Call(_) | StatementKind::Pragma(_) | StatementKind::Error => None,
     });
     let four = instructions.any(|insn| matches!(insn, StlInsn::Enter | StlInsn::Leave));
-    Profile { limits_checked: false, ..profile::generic(if four { Family::S7400 } else { Family::S7300 }) }
+    let family = if four { Family::S7400 } else { Family::S7300 };
+    Profile { limits_checked: has_registers(units), ..profile::generic(family) }
 }
 
 /// The element uses registers that only an S7-300 or S7-400 has: BR, status word, open data blocks, MCR.
