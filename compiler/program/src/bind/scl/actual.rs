@@ -51,6 +51,7 @@ impl SclBinder<'_, '_> {
                 Intent::Read => {
                     let value = self.value(ctx, node)?;
                     self.number_for_duration(ctx, &value, *ty);
+                    let value = self.position_in_text(ctx, callee, formal, value);
                     Some(Actual::Value(self.convert(ctx, value, *ty)?))
                 }
                 Intent::Write | Intent::Both => self.elementary_variable(ctx, callee, formal, *ty, node, intent),
@@ -121,6 +122,21 @@ impl SclBinder<'_, '_> {
             .help(help),
         );
         None
+    }
+
+    /// A BYTE as a number of characters or a position in a text, which the IEC check allows. Source: S7-1500 information system, LEFT and MID.
+    fn position_in_text(&self, ctx: &SclBlock, callee: BlockKey, formal: &Parameter, value: Value) -> Value {
+        let is_position = ctx.scope.strict
+            && matches!(formal.name.as_str(), "L" | "P")
+            && formal.ty == DataType::Elementary(Elementary::Int)
+            && self.program.globals.library_block(callee).is_some();
+        match value {
+            Value::Elementary(byte) if is_position && byte.ty == Elementary::Byte => {
+                let number = convert::explicit_expr(ctx.scope.rules, byte.clone(), Elementary::Int);
+                Value::Elementary(number.unwrap_or(byte))
+            }
+            value => value,
+        }
     }
 
     /// OUT and IN_OUT of elementary types.
