@@ -74,10 +74,17 @@ impl Repair<'_> {
         // `n IN 1..5`
         let is_in = |word: &RawToken| self.slice(*word).eq_ignore_ascii_case("IN") && !self.is_declared("IN");
         if at > 1 && self.kind(at + 1) == Some(RawKind::DotDot) && self.tokens.get(at - 1).is_some_and(is_in) {
-            let ((value, low), high) = (self.sides(at - 1, at), self.words(at + 2, at + 2));
+            let first = self.operand_start(at - 1);
+            // `a + n IN 1..5` is about a sum.
+            let calculates = |before: usize| {
+                matches!(self.kind(before), Some(RawKind::Plus | RawKind::Minus | RawKind::Star | RawKind::Slash))
+                    || matches!(self.keyword(before), Some(Keyword::Mod | Keyword::Div))
+            };
+            let value = if first.checked_sub(1).is_some_and(calculates) { "value" } else { self.words(first, at - 2) };
+            let (low, high) = (self.words(at, at), self.words(at + 2, at + 2));
             let help = format!("write `({value} >= {low} AND {value} <= {high})`");
             self.report(at - 1, at, "SCL has no IN".to_owned(), "a form of other languages", help);
-            self.replace(self.operand_start(at - 1), end, RawKind::Reported, None);
+            self.replace(first, end, RawKind::Reported, None);
             return true;
         }
         let (left, right) = self.sides(at, at);
