@@ -69,7 +69,7 @@ pub fn review(
 /// The warning about the negative time at `span`.
 fn negative(program: &Declarations, span: Span) -> Diagnostic {
     let written = program.globals.text(span);
-    let help = match written.contains('#') && written.contains('-') {
+    let help = match written.contains("#-") {
         true => format!("write `{}`", written.replacen('-', "", 1).trim()),
         false => "write a time above zero".to_owned(),
     };
