@@ -114,11 +114,12 @@ impl Scan<'_> {
                     {
                         scl += usize::from(self.assigns(index));
                     }
-                    // `o = n;`, meant as an assignment: in STL `=` begins a statement.
-                    _ if self
-                        .tokens
-                        .get(index + 1)
-                        .is_some_and(|next| next.kind == RawKind::Equal && !next.first_on_line) =>
+                    // `o = n;`, meant as an assignment: in STL `=` begins a statement, or the text of a title follows it.
+                    _ if !self.slice(index).eq_ignore_ascii_case("TITLE")
+                        && self
+                            .tokens
+                            .get(index + 1)
+                            .is_some_and(|next| next.kind == RawKind::Equal && !next.first_on_line) =>
                     {
                         scl += 1;
                     }
