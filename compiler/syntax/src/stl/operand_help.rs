@@ -2,7 +2,7 @@
 
 use crate::ast::{Area, BlockName, BlockPrefix, CellKind, Operand, OperandKind, Width};
 use crate::literal::Literal;
-use crate::stl::{Mnemonics, OperandClass, StlInsn};
+use crate::stl::{Mnemonics, OperandClass, StlInsn, suggest};
 
 /// The help about the operand `shown` of `written`, in the mnemonics `set`; none: all that is known is what the instruction takes.
 pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &Operand) -> Option<String> {
@@ -66,7 +66,7 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             Some(format!("an address register has 32 bits: write `{written} {double}`"))
         }
         (OperandClass::Label, OperandKind::Path(path)) => {
-            let label = path.name()?;
+            let label = suggest::label(path.name()?);
             Some(format!("write `{written} {label}`: a label has no `#` and no quotes"))
         }
         (OperandClass::LoadSource, OperandKind::Literal(Literal::DateAndTime(_))) => Some(

@@ -1,5 +1,6 @@
 //! Hints for words that are not an instruction.
 
+use crate::front::extent;
 use crate::stl::mnemonics::{self, letters_and_digits, other};
 use crate::stl::{Mnemonics, OperandClass, StlInsn};
 
@@ -130,6 +131,11 @@ const OF_ACCUMULATORS: &[(&str, &str)] = &[
     ("XOR", "write `XOW` for words, `XOD` for double words"),
     ("XODER", "write `XOW` for words, `XOD` for double words"),
 ];
+
+/// The label that is meant by a text with signs or blanks in it.
+pub fn label(text: &str) -> String {
+    text.replace(|c: char| !extent::is_word(c), "_")
+}
 
 /// The constant of STL with up to 8 hexadecimal digits; none: these are others, or more.
 pub fn hexadecimal(digits: &str) -> Option<String> {

@@ -4,7 +4,6 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{Classifier, is_end_of_block, is_section, unquoted};
 use crate::ast::{Area, Width};
-use crate::front::extent;
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
 use crate::stl::{OperandClass, StlInsn, messages, mnemonics, suggest};
@@ -103,7 +102,7 @@ impl<'a> Classifier<'a, '_> {
                 if let Some((label, after)) = self.label_with_sign(index)
                     && self.kind_at(after) == Some(RawKind::Colon) =>
             {
-                let meant = label.replace(|c: char| !extent::is_word(c), "_");
+                let meant = suggest::label(label);
                 let end = token.start as usize + label.len();
                 self.report(
                     Diagnostic::new(
@@ -130,7 +129,7 @@ impl<'a> Classifier<'a, '_> {
                 self.report(
                     Diagnostic::new(Code::Syntax, span, format!("`{slice}` is not a label"))
                         .label("a label has no quotes")
-                        .help(format!("write `{label}:`")),
+                        .help(format!("write `{}:`", suggest::label(label))),
                 );
                 self.end_of_label();
                 self.take_up_to(Tok::Label(label), index + 2);
