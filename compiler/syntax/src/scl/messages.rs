@@ -165,6 +165,36 @@ impl Recovery {
                     format!("as a value of CASE write `{value}:` before the statement"),
                 )
             }
+            // `#n 5;`
+            (Recovery::Statement, Tok::Local(_) | Tok::Quoted(_), Tok::Literal(_))
+                if index.checked_sub(2).is_none_or(|first| {
+                    state.tokens.get(first).is_some_and(|(_, token, _)| ends(token) || begins(token))
+                }) =>
+            {
+                let (variable, value) = (text(before), text(at));
+                told(
+                    before.0,
+                    at.2,
+                    format!("`:=` is missing after `{variable}`"),
+                    "a variable and a value",
+                    format!("write `{variable} := {value}`"),
+                )
+            }
+            // `1.0E`
+            (Recovery::Statement | Recovery::Condition | Recovery::Argument, Tok::Literal(_), Tok::Name(_))
+                if at.0 == before.2
+                    && text(at).eq_ignore_ascii_case("E")
+                    && text(before).starts_with(|c: char| c.is_ascii_digit()) =>
+            {
+                let number = text(before);
+                told(
+                    before.0,
+                    at.2,
+                    format!("the exponent of `{number}{}` has no digits", text(at)),
+                    "digits are missing at its end",
+                    format!("write `{number}`, or an exponent such as `{number}E3`"),
+                )
+            }
             // `1 000`
             (
                 Recovery::Statement

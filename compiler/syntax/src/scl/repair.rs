@@ -230,6 +230,7 @@ impl<'t> Repair<'t> {
                 || self.global_section(token)
                 || self.foreign_prefix(token)
                 || self.late_condition(token)
+                || self.value_after_of(token)
                 || self.pascal(token)
                 || self.endless(token)
                 || self.leaving(token)

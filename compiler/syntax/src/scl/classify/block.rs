@@ -39,6 +39,9 @@ impl Classifier<'_, '_> {
         }
         self.block_name(opening);
         self.second_name(opening, keyword);
+        if keyword == Keyword::DataBlock {
+            self.of_before_type(opening);
+        }
         if keyword == Keyword::Function {
             if self.is_at(RawKind::Colon) && self.type_left_out() {
                 let colon = self.raw[self.at];
@@ -99,6 +102,26 @@ impl Classifier<'_, '_> {
         self.report(
             Diagnostic::new(Code::BlockFrame, self.span(second), "the head of a block has one name")
                 .label("not read")
+                .help(help),
+        );
+        self.at += 1;
+    }
+
+    /// `DATA_BLOCK "Data" OF "Type"`: the word is reported and passed over.
+    fn of_before_type(&mut self, opening: RawToken) {
+        let is_word = |token: &RawToken| {
+            !token.first_on_line && matches!(token.kind, RawKind::Word | RawKind::Quoted | RawKind::Absolute)
+        };
+        let Some(of) = self.peek().filter(|token| token.keyword == Some(Keyword::Of)) else { return };
+        let Some(ty) = self.raw_at(self.at + 1).filter(is_word) else { return };
+        // `FB 10`
+        let number = self.raw_at(self.at + 2).filter(|next| !next.first_on_line && next.kind == RawKind::Number);
+        let end = number.map_or(ty.end, |number| number.end);
+        let head = self.text[opening.start as usize..of.start as usize].trim_end();
+        let help = format!("write `{head} {}`", &self.text[ty.start as usize..end as usize]);
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(of), "the type of a data block follows its name")
+                .label("one word too many")
                 .help(help),
         );
         self.at += 1;

@@ -71,6 +71,34 @@ impl Repair<'_> {
         true
     }
 
+    /// `CASE OF x`, whose value comes before OF.
+    pub(super) fn value_after_of(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let Some(of) = self.token(at + 1).filter(|next| next.keyword == Some(Keyword::Of)) else { return false };
+        let is_name = |kind| matches!(kind, RawKind::Word | RawKind::Quoted | RawKind::Local);
+        let names = |index| self.beside(index).is_some_and(|next| is_name(next.kind) && next.keyword.is_none());
+        if token.keyword != Some(Keyword::Case) || !names(at + 2) {
+            return false;
+        }
+        let mut after = at + 3;
+        while self.kind(after) == Some(RawKind::Dot) && names(after + 1) {
+            after += 2;
+        }
+        if self.beside(after).is_some_and(|next| !is_part_of_values(next.kind)) {
+            return false;
+        }
+        let help = format!("write `CASE {} OF`", self.words(at + 2, after - 1));
+        self.report(at, after, "the value of CASE comes before OF".to_owned(), "exchanged", help);
+        let mut with = vec![token];
+        with.extend_from_slice(&self.tokens[at + 2..after]);
+        with.push(of);
+        self.edits.push(super::Edit { first: at, after, with });
+        self.at = after;
+        self.note(token);
+        self.note(of);
+        true
+    }
+
     /// Goes past the tokens before `end`, which stay as they are.
     fn pass_up_to(&mut self, end: usize) {
         while self.at < end {

@@ -210,21 +210,25 @@ impl Repair<'_> {
     pub(super) fn pascal(&mut self, token: RawToken) -> bool {
         let at = self.at;
         if token.keyword == Some(Keyword::Begin) {
-            if self.open.is_empty() {
+            if self.open.is_empty() && (self.data || !self.statements_begun) {
                 return false;
             }
-            let inner = self.open.last().map_or(Keyword::If, |open| open.keyword);
             if !self.begins_reported {
                 self.begins_reported = true;
-                let end = closer(inner).word();
-                let title = format!("statements up to {end} need no BEGIN");
-                self.report(
-                    at,
-                    at + 1,
-                    title,
-                    "a form of other languages",
-                    format!("remove `BEGIN`, and end the statement with `{end};` instead of `END`"),
-                );
+                let (title, help) = match self.open.last() {
+                    Some(inner) => {
+                        let end = closer(inner.keyword).word();
+                        (
+                            format!("statements up to {end} need no BEGIN"),
+                            format!("remove `BEGIN`, and end the statement with `{end};` instead of `END`"),
+                        )
+                    }
+                    None => (
+                        "a block has one BEGIN, before its statements".to_owned(),
+                        "remove this `BEGIN`, and its `END`".to_owned(),
+                    ),
+                };
+                self.report(at, at + 1, title, "a form of other languages", help);
             }
             self.open.push(Open { keyword: Keyword::Begin, brace: false });
             self.drop_tokens(at, at + 1);
