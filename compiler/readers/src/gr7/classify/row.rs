@@ -210,6 +210,18 @@ impl<'a> Classifier<'a, '_> {
         }
         self.out.push((first.start as usize, Tok::Qualifier(mark.filter(|_| !alone)), last.end as usize));
         self.at = end;
+        if alone {
+            self.skip_operand();
+        }
+    }
+
+    /// `(N) Q0.5`: what follows a qualifier that was reported is the operand of its row, if it has no qualifier of its own.
+    fn skip_operand(&mut self) {
+        let line = self.raw[self.at..].iter().take_while(|token| !token.first_on_line).count();
+        let after = (self.at..self.at + line).find(|index| self.ends_row(*index)).unwrap_or(self.at + line);
+        if !(self.at..after).any(|index| self.qualifier_at(index, false).is_some()) {
+            self.at = after;
+        }
     }
 
     fn no_qualifier(&mut self) {
