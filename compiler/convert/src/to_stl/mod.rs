@@ -8,7 +8,8 @@
 //! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`, `choices`.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names, `library`: and of blocks.
-//! - `operand`: operands of networks as operands of STL; `constants`: constants of blocks; `texts`: temporary texts.
+//! - `operand`: operands of networks as operands of STL; `constants`: constants of blocks; `texts`: temporary texts; `inputs`: copies of
+//!   inputs.
 //! - [`types`]: types of operands, where a box does not name its own.
 //!
 //! Source: LAD/FBD reference, chapter F.
@@ -22,6 +23,7 @@ mod control;
 mod elements;
 mod fields;
 mod formula;
+mod inputs;
 mod instructions;
 pub(crate) mod library;
 mod logic;
@@ -106,6 +108,7 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
         let statements = std::mem::take(&mut maker.statements);
         networks.push(ast::Network { title: None, comment: Vec::new(), statements });
     }
+    maker.copy_inputs(&mut networks);
     if !maker.messages.is_empty() {
         return Err(maker.messages);
     }
