@@ -307,7 +307,7 @@ impl Declarations<'_> {
     }
 
     /// A tag that stands in for a missing one: of any type, in memory that the CPU does not have.
-    fn stand_in(&mut self, name: &str, span: Span) -> Option<Variable> {
+    pub fn stand_in(&mut self, name: &str, span: Span) -> Option<Variable> {
         let global = self
             .globals
             .names

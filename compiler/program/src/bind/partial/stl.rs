@@ -344,7 +344,7 @@ fn start_of_operand(ctx: &SclBlock, operand: &Operand) -> Option<(Start, Vec<Ste
         OperandKind::DbAbsolute { db, width, byte, .. } => {
             Some((start_of_block(db), vec![Step::Absolute(byte.saturating_add(width.bytes()))], operand.span))
         }
-        OperandKind::Path(path) | OperandKind::AddressOf(path) => {
+        OperandKind::Path(path) | OperandKind::AddressOf(path) | OperandKind::Peripheral(path) => {
             let steps: Vec<Step> = path.parts.iter().map(step_of_part).collect();
             let (start, span) = match &path.root {
                 PathRoot::Local { name, span } => (Start::Local(name.clone()), *span),

@@ -19,6 +19,10 @@ use crate::bind::scl::{SclBinder, SclBlock};
 impl SclBinder<'_, '_> {
     /// `"tag":P`: the input or output itself, past the process image.
     pub(super) fn peripheral_tag(&mut self, ctx: &mut SclBlock, tag: &str, span: Span) -> Option<Thing> {
+        // What stands in for a missing input or output is in no process image.
+        if let Some(variable) = self.program.stand_in(tag, span) {
+            return Some(Thing::Spot(Spot::fixed(variable)));
+        }
         let Some(global) = self.program.globals.names.symbols.get(&fold(tag)) else {
             let locals = ctx.block.bound.locals.values().map(|local| local.name.as_str());
             self.program.globals.unknown_name(tag, span, locals);

@@ -2,8 +2,8 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{
-    self, AddressRegister, Area, BlockName, BlockPrefix, CellKind, OperandKind, Path, SpecialRegister, StatusOperand,
-    Width,
+    self, AddressRegister, Area, BlockName, BlockPrefix, CellKind, OperandKind, Path, PathRoot, SpecialRegister,
+    StatusOperand, Width,
 };
 use plcc_syntax::literal::Literal;
 
@@ -170,7 +170,8 @@ impl StlBinder<'_, '_> {
             Resolved::Variable(variable) => match variable.base {
                 Base::I => Some(Variable { base: Base::Pi, ..variable }),
                 Base::Q => Some(Variable { base: Base::Pq, ..variable }),
-                _ => None,
+                // What stands in for a missing input or output is in no process image.
+                _ => self.is_stand_in(&path.root).then_some(variable),
             },
             Resolved::Cell { .. } | Resolved::Block { .. } => None,
         };
@@ -185,6 +186,15 @@ impl StlBinder<'_, '_> {
                 );
                 None
             }
+        }
+    }
+
+    fn is_stand_in(&mut self, root: &PathRoot) -> bool {
+        match root {
+            PathRoot::Quoted { name, span } | PathRoot::Bare { name, span } => {
+                self.program.stand_in(name, *span).is_some()
+            }
+            PathRoot::Local { .. } | PathRoot::Block(_) => false,
         }
     }
 
