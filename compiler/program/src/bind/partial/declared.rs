@@ -79,7 +79,11 @@ impl Look<'_, '_> {
                 values.iter().for_each(|value| self.initial_fields(ty, steps, value));
             }
             ast::InitialKind::Elements(elements) => {
-                elements.iter().for_each(|(_, value)| self.initial_fields(ty, steps, value));
+                for (indices, value) in elements {
+                    steps.push(Step::Index(indices.iter().copied().map(Some).collect()));
+                    self.initial_fields(ty, steps, value);
+                    steps.pop();
+                }
             }
             ast::InitialKind::Literal(_) | ast::InitialKind::Expr(_) | ast::InitialKind::Operand(_) => {
                 let hint = self.initial_hint(initial);
@@ -164,8 +168,7 @@ impl Look<'_, '_> {
         };
         let mut steps = vec![Step::Member(name.clone())];
         steps.extend(value.target.parts.iter().map(step_of_part));
-        let hint = self.initial_hint(&value.value);
-        self.inside_type(ty, &steps, value.span, &mut |shape| shape.learn(hint.as_ref()), 0);
+        self.initial_fields(ty, &mut steps, &value.value);
     }
 
     /// Names in an expression that must be constant.
