@@ -1,7 +1,7 @@
 //! Uses in networks of LAD and FBD, and in charts.
 
 use plcc_syntax::Elementary;
-use plcc_syntax::ast::{self, CellKind};
+use plcc_syntax::ast::{self, BlockPrefix, CellKind};
 use plcc_syntax::chart::ast as chart;
 use plcc_syntax::network::ast::{
     Body, Content, Element, Graph, NetId, Network, Pin, PinValue, Source, Target, TemplateKey,
@@ -16,6 +16,7 @@ use crate::bind::scl::SclBlock;
 use crate::bind::scl::function::Named;
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
+use plcc_model::BlockKey;
 use plcc_model::types::DataType;
 
 const BOOL: Hint = typed(Elementary::Bool);
@@ -149,11 +150,18 @@ impl Look<'_, '_> {
         let long =
             value.filter(|word| name.starts_with("CT") && word != "INT" && Elementary::from_word(word).is_some());
         let name = long.map_or(name.to_string(), |word| format!("{name}_{word}"));
-        let block = plcc_stdlib::find_tia(&name).or_else(|| plcc_stdlib::find_name(&name));
-        let Some(key) = block.map(|block| self.program.globals.library.key_of(block)) else { return };
+        let Some((_, of)) = self.block_of_instance(&name) else { return };
+        self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.of = Some(of.clone()));
+    }
+
+    /// The block of the library with a name such as TON, whose data an instance is.
+    pub fn block_of_instance(&self, name: &str) -> Option<(BlockKey, Missing)> {
+        let block = plcc_stdlib::find_tia(name).or_else(|| plcc_stdlib::find_name(name))?;
+        let key = self.program.globals.library.key_of(block);
         let prefix = crate::bind::globals::names::kind_prefix(key.kind);
-        let of = Missing::block(prefix, u32::from(key.number));
-        self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.of.clone_from(&of));
+        let has_data = matches!(prefix, BlockPrefix::Fb | BlockPrefix::Sfb);
+        let of = Missing::block(prefix, u32::from(key.number)).filter(|_| has_data)?;
+        Some((key, of))
     }
 
     fn block_element(

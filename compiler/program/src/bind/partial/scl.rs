@@ -255,6 +255,17 @@ impl Look<'_, '_> {
             }
             return true;
         }
+        // `"data block".TON(…)`: the instruction says what its data is.
+        if let NodeKind::Member { base, name } = &callee.kind
+            && name.form == NameForm::Bare
+            && let Some((key, of)) = self.block_of_instance(&name.text)
+            && let Some((start, steps, span)) = self.steps(ctx, base)
+            && self.lies_in_missing(ctx, &start, &steps, span)
+        {
+            self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.of = Some(of.clone()));
+            self.known_block(ctx, key, arguments, base.span);
+            return true;
+        }
         // `"block"."data block"(…)`, `FB10.DB20(…)`.
         if let NodeKind::Member { base, name } = &callee.kind
             && let Some((start, steps, span)) = self.steps(ctx, base)

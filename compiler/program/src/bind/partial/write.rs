@@ -439,6 +439,9 @@ fn elementary_of(shape: &Shape) -> Option<Elementary> {
 
 /// The type that the uses of a name show, as written in a declaration.
 fn type_of(shape: &Shape, span: Span) -> TypeRef {
+    if let Some(of) = &shape.of {
+        return TypeRef { kind: TypeKind::Block(name_of(of, &Shape::default(), span)), span };
+    }
     if !shape.members.is_empty() {
         return TypeRef { kind: TypeKind::Struct(members(shape, span)), span };
     }
