@@ -12,7 +12,7 @@ use super::Maker;
 use super::boxes::Check;
 use super::compare::SIGN;
 use super::plan::Plan;
-use super::values::width_of;
+use super::values::{loadable, width_of};
 
 /// BLKMOV.
 const BLOCK_MOVE: u32 = 20;
@@ -56,6 +56,7 @@ impl Maker<'_> {
                 return self.refuse(element.span, format!("a MOVE of {}", to.name()), help);
             }
             let Some((operand, found)) = self.source(graph, at, "in", from) else { return };
+            let operand = loadable(operand);
             limits.extend(greatest(found, to).map(|limit| (operand.clone(), limit)));
             let mut load = vec![(StlInsn::Load, Some(operand))];
             let Some(extension) = self.extension(found, to, pin) else { return };

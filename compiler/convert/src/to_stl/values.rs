@@ -100,7 +100,7 @@ impl Maker<'_> {
         let (operand, from) = self.source(graph, at, name, ty)?;
         let is_extended = from == Elementary::Sint && ty.bits() > 8;
         let conversion = self.conversion(if is_extended { Elementary::Int } else { from }, ty, operand.span)?;
-        let mut load = vec![(StlInsn::Load, Some(operand))];
+        let mut load = vec![(StlInsn::Load, Some(loadable(operand)))];
         if is_extended {
             // L fills a byte with zeros.
             let eight = super::number(8, self.span);
@@ -201,6 +201,15 @@ impl Maker<'_> {
             }
         })
     }
+}
+
+/// The operand of `L`: an unsigned number that is too large for an INT is a word or double word there.
+pub fn loadable(operand: Operand) -> Operand {
+    let OperandKind::Literal(Literal::Int(number)) = operand.kind else { return operand };
+    let bits = u32::try_from(number).ok().filter(|number| i16::try_from(*number).is_err());
+    let Some(bits) = bits else { return operand };
+    let literal = u16::try_from(bits).map_or(Literal::Dword(bits), Literal::Word);
+    Operand { kind: OperandKind::Literal(literal), ..operand }
 }
 
 pub fn width_of(value: &PinValue) -> Option<Elementary> {
