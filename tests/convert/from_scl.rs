@@ -142,7 +142,7 @@ fn whole_sources_become_lists() {
 }
 
 /// Charts that become statements as a whole.
-const CHARTS: [&str; 16] = [
+const CHARTS: [&str; 18] = [
     "delayed_limited",
     "first_call",
     "init_and_off",
@@ -152,7 +152,9 @@ const CHARTS: [&str; 16] = [
     "mode_tap",
     "mode_top",
     "no_glitch",
+    "numbers_of_addresses",
     "on_off",
+    "plain_times",
     "self_loop",
     "sequence_end",
     "simultaneous_join",

@@ -1,7 +1,7 @@
 //! Conversions of values in ACCU1. Source: SCL reference, explicit conversions.
 
 use plcc_diag::Span;
-use plcc_model::scl::{Conversion, Expr, Overflow};
+use plcc_model::scl::{Conversion, Expr, ExprKind, Overflow};
 use plcc_model::types::Elementary;
 use plcc_syntax::stl::StlInsn;
 
@@ -25,6 +25,37 @@ pub fn jumps(conversion: Conversion, from: Elementary, to: Elementary) -> bool {
     }
 }
 
+/// The longest S5TIME in milliseconds.
+const S5TIME_MAX: u64 = 9_990_000;
+
+/// What a constant becomes that is converted between TIME and S5TIME. An S5TIME has three digits and one of four bases, from 10 ms on.
+fn constant_time(conversion: Conversion, bits: u64) -> Option<u64> {
+    let unit = |base: u64| 10 * 10_u64.pow(base as u32);
+    let digit = |number: u64, place: u32| number / 10_u64.pow(place) % 10;
+    match conversion {
+        Conversion::FromS5Time => {
+            let number = (bits >> 8 & 0xF) * 100 + (bits >> 4 & 0xF) * 10 + (bits & 0xF);
+            Some(number * unit(bits >> 12 & 3))
+        }
+        Conversion::ToS5Time => {
+            let base = (0..4).find(|base| bits <= S5TIME_MAX && bits / unit(*base) <= 999)?;
+            let number = bits / unit(base);
+            Some(base << 12 | digit(number, 2) << 8 | digit(number, 1) << 4 | digit(number, 0))
+        }
+        Conversion::Value(_)
+        | Conversion::Truncate(_)
+        | Conversion::Ceil(_)
+        | Conversion::Floor(_)
+        | Conversion::Bits { .. }
+        | Conversion::ToBool
+        | Conversion::FromBcd { .. }
+        | Conversion::ToBcd
+        | Conversion::MillisToNanos
+        | Conversion::NanosToMillis
+        | Conversion::Ranged { .. } => None,
+    }
+}
+
 impl Maker<'_> {
     /// Loads `operand` as a value of the type of `value`.
     pub fn convert(&mut self, conversion: Conversion, operand: &Expr, value: &Expr) {
@@ -33,6 +64,12 @@ impl Maker<'_> {
         }
         if operand.ty == Elementary::Bool {
             return self.convert_bool(operand, value.ty);
+        }
+        if let ExprKind::Const(bits) = operand.kind
+            && let Some(bits) = constant_time(conversion, bits)
+        {
+            let constant = self.constant(value.ty, bits);
+            return self.push(StlInsn::Load, Some(constant));
         }
         self.number(operand);
         self.convert_loaded(conversion, operand.ty, value.ty, value.span);
