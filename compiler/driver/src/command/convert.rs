@@ -126,10 +126,12 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         if to == ConvertTo::Xml {
             library.add_system(plcc_program::system_members);
         }
-        let profile = cpu.and_then(profile::lookup);
-        let keeps_br = profile.as_ref().is_some_and(|profile| matches!(profile.family, Family::S7300 | Family::S7400));
-        let family =
-            profile.map_or_else(|| plcc_program::implied_profile(&parsed.units).family, |profile| profile.family);
+        let named = cpu.and_then(profile::lookup);
+        let is_named = named.is_some();
+        let profile = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units));
+        let family = profile.family;
+        // If no CPU is named, limits are checked where the sources need an S7-300.
+        let keeps_br = (is_named || profile.limits_checked) && matches!(family, Family::S7300 | Family::S7400);
         let types = types.with_instructions(plcc_program::instruction_pins).for_portal(family.is_portal());
         for (id, unit) in &parsed.units {
             let source = parsed.sources.file(*id);

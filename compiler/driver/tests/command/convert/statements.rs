@@ -447,3 +447,16 @@ fn calls_in_charts_get_the_values_of_their_in_out_variables() {
     let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(found.contains("26 passed, 0 failed"), "{found}");
 }
+
+/// Only an S7-300 or S7-400 has SAVE, whose BR is ENO of the block.
+#[test]
+fn networks_with_save_need_no_name_of_their_cpu() {
+    let networks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/lad-fbd/registers_without_cpu.s7dcl");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &networks.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.stl"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("3 passed, 0 failed"), "{found}");
+}
