@@ -2,7 +2,7 @@
 
 use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::Span;
-use plcc_model::scl::{Access, Actual, Argument, Base, Call, Complex, Expr, ExprKind, Instance};
+use plcc_model::scl::{Access, Actual, Argument, Base, Call, Complex, Conversion, Expr, ExprKind, Instance};
 use plcc_model::types::{DataType, Elementary, ParameterType};
 use plcc_model::{BlockKey, Body, CodeBlock, Direction, Number, Parameter, Place};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CellKind, Operand, OperandKind, Path, PathRoot, StatusOperand};
@@ -28,7 +28,7 @@ struct Back<'m> {
     has_value: bool,
     from: Operand,
     formal: Elementary,
-    conversion: Option<plcc_model::scl::Conversion>,
+    conversion: Option<Conversion>,
 }
 
 impl Maker<'_> {
@@ -300,12 +300,12 @@ impl Maker<'_> {
                 let from = self.temporary(ty);
                 let target = self.target(access, false)?;
                 let is_instance = matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb);
+                let has_same_bits = matches!(back, None | Some(Conversion::Bits { .. }));
                 backs.push(Back {
                     parameter: argument.parameter,
                     access,
                     target,
-                    has_value: formal.direction == Direction::InOut
-                        || (!is_instance && access.elementary() == Some(ty)),
+                    has_value: formal.direction == Direction::InOut || (!is_instance && has_same_bits),
                     from: from.clone(),
                     formal: ty,
                     conversion: *back,
@@ -426,7 +426,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The value that an output has before the call; an IN_OUT gets the bits of its variable.
+    /// The value that a variable has before the call, if it is of the same size: a function may leave an output as it is.
     fn preload(&mut self, back: &Back) {
         if back.access.elementary().is_some_and(|ty| ty.bits() == back.formal.bits()) {
             let operand = self.reach(&back.target, back.formal);

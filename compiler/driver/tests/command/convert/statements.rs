@@ -460,3 +460,16 @@ fn networks_with_save_need_no_name_of_their_cpu() {
     let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(found.contains("3 passed, 0 failed"), "{found}");
 }
+
+/// The formals are INT, DINT and REAL, the variables addresses without a type.
+#[test]
+fn outputs_that_a_function_does_not_write_stay() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/scl/language/fc_output_not_written.scl");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &source.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.stl"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("2 passed, 0 failed"), "{found}");
+}
