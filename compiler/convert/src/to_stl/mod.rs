@@ -101,7 +101,8 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
     }
     maker.begin_texts();
     let mut networks: Vec<ast::Network> = body.networks.iter().map(|network| maker.network(network)).collect();
-    if maker.sets_br && !keeps_br && block.kind != CodeKind::Ob {
+    let is_end_reached = networks.iter().rev().find_map(|network| network.statements.last()).is_none_or(goes_on);
+    if maker.sets_br && !keeps_br && block.kind != CodeKind::Ob && is_end_reached {
         // ENO of the block, which its boxes used for theirs.
         maker.push(StlInsn::SetRlo, None);
         maker.push(StlInsn::Save, None);
@@ -116,6 +117,14 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
     made.code = ast::Code::Stl(networks);
     maker.declare(&mut made);
     Ok(made)
+}
+
+/// What follows the statement is reached.
+fn goes_on(statement: &Statement) -> bool {
+    !matches!(
+        statement.kind,
+        StatementKind::Instruction { insn: StlInsn::BlockEnd | StlInsn::BlockEndUnconditional, .. }
+    )
 }
 
 /// Labels of a block by their folded names.

@@ -473,3 +473,16 @@ fn outputs_that_a_function_does_not_write_stay() {
     let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(found.contains("2 passed, 0 failed"), "{found}");
 }
+
+/// Nothing follows BEU, not even what sets ENO of the block.
+#[test]
+fn statements_of_networks_are_all_reached() {
+    let networks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/lad-fbd/eno_of_a_block.s7dcl");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let made = plcc(folder, &["convert", &networks.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "a.stl", "--deny", "warnings"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("4 passed, 0 failed") && !found.contains("warning"), "{found}");
+}
