@@ -543,6 +543,18 @@ fn signs_in_networks_stay() {
     assert_eq!(text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout), source);
 }
 
+/// Attributes after a name, as SCL has them, belong to it too.
+#[test]
+fn attributes_after_names_stay() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source =
+        "DATA_BLOCK D\nVAR\n    n { ExternalWritable := \"FALSE\" } : Int;\n    m : Int;\nEND_VAR\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = text(&plcc(folder, &["convert", "a.s7dcl", "--to", "sd"]).stdout);
+    assert!(made.contains("    { ExternalWritable := \"FALSE\" } n : Int;\n    m : Int;\n"), "{made}");
+}
+
 /// A document has no place for the start values of a data block that is an array.
 #[test]
 fn start_values_of_array_data_blocks_are_told() {

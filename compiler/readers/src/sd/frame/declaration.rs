@@ -166,12 +166,20 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A token of a declaration; attributes belong to the name after them.
+    /// A token of a declaration; attributes belong to the name after them, or before them as in SCL: `n { … } : Int`.
     fn member(&mut self, token: RawToken) {
+        let is_name = |token: &RawToken| matches!(token.kind, RawKind::Word | RawKind::Quoted | RawKind::Local);
         if token.kind == RawKind::LeftBrace {
-            return self.attributes();
+            self.attributes();
+            if let Some(name) = self.out.last().copied().filter(is_name)
+                && self.is_at(RawKind::Colon)
+            {
+                let attributes = self.taken_attributes();
+                self.members.entry(name.start).or_default().extend(attributes);
+            }
+            return;
         }
-        if matches!(token.kind, RawKind::Word | RawKind::Quoted | RawKind::Local) {
+        if is_name(&token) {
             let attributes = self.taken_attributes();
             if !attributes.is_empty() {
                 self.members.insert(token.start, attributes);
