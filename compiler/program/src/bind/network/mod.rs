@@ -100,6 +100,7 @@ impl NetworkBinder<'_, '_> {
     /// Binds the networks of a block.
     pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, networks: &Networks) -> SclBody {
         let scope = Scope::new(self.program.globals.input, &block.header, Dialect::Tia);
+        let sets_eno = scope.sets_flag;
         let ctx = &mut SclBlock { block: current, scope };
         // Boxes report their errors through ENO.
         ctx.scope.sets_flag = true;
@@ -114,11 +115,15 @@ impl NetworkBinder<'_, '_> {
         for (number, network) in networks.networks.iter().enumerate() {
             self.bind_network(ctx, &mut page, network, number as u16 + 1, &mut statements);
         }
+        // In SIMATIC SD a block in SCL has networks, too.
+        let is_scl = networks.networks.iter().all(|network| matches!(network.content, Content::Scl(_)));
         let eno = match &page.eno {
-            Some(eno) => eno.load(span),
-            None => constant_expr(1, Elementary::Bool, span),
+            Some(eno) => Some(eno.load(span)),
+            // Its errors have set it (`S7_SetENOAutomatically`).
+            None if is_scl && sets_eno => None,
+            None => Some(constant_expr(1, Elementary::Bool, span)),
         };
-        statements.push(Statement { kind: StatementKind::SetFlag(eno), span });
+        statements.extend(eno.map(|eno| Statement { kind: StatementKind::SetFlag(eno), span }));
         for warning in legality::block_warnings(networks) {
             self.program.report(warning);
         }
@@ -129,8 +134,6 @@ impl NetworkBinder<'_, '_> {
             self.not_bound(span);
         }
         self.scl().unused_data(ctx, block, networks.networks.is_empty());
-        // In SIMATIC SD a block in SCL has networks, too.
-        let is_scl = networks.networks.iter().all(|network| matches!(network.content, Content::Scl(_)));
         SclBody {
             statements,
             sets_flag: true,
