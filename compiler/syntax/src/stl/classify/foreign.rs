@@ -270,14 +270,10 @@ impl<'a> Classifier<'a, '_> {
             return None;
         }
         let span = self.span_of(first.start as usize, before.end as usize);
-        let (target, value) = (&self.text[span.range()], self.rest_of_statement(sign + 1));
-        let [and, assign, load, transfer] =
-            [StlInsn::And, StlInsn::Assign, StlInsn::Load, StlInsn::Transfer].map(|insn| insn.mnemonic(self.set));
-        let bits = format!("`{and} {value}` and `{assign} {target}`");
-        let values = format!("`{load} {value}` and `{transfer} {target}`");
+        let target = &self.text[span.range()];
         if first.kind == RawKind::Quoted {
             let whole = sign == index + 1;
-            return whole.then(|| (span, format!("write {bits} for bits, {values} for numbers")));
+            return whole.then(|| (span, self.assigned(target, sign + 1, None)));
         }
         let upper = self.upper(index);
         let (letters, digits) = mnemonics::letters_and_digits(upper.as_str());
@@ -287,7 +283,37 @@ impl<'a> Classifier<'a, '_> {
         if !has_number || matches!(area, Area::I | Area::Pi) {
             return None;
         }
-        Some((span, format!("write {}", if width == Width::Bit { bits } else { values })))
+        Some((span, self.assigned(target, sign + 1, Some(width == Width::Bit))))
+    }
+
+    /// What to write to assign the value from the token at `value` on to `target`; `is_bit`: none if it may be a bit or a number.
+    fn assigned(&self, target: &str, value: usize, is_bit: Option<bool>) -> String {
+        let name = |insn: StlInsn| insn.mnemonic(self.set);
+        let is_calculated = (value..).take_while(|at| !self.ends_before(*at)).any(|at| {
+            let is_word = matches!(self.upper(at).as_str(), "NOT" | "AND" | "OR" | "XOR" | "MOD" | "DIV");
+            let sign = self.raw_at(at).map_or("", |token| self.slice(token));
+            is_word || matches!(sign, "(" | "+" | "*" | "/") || sign == "-" && at > value
+        });
+        let text = self.rest_of_statement(value);
+        let upper = text.to_ascii_uppercase();
+        let (condition, number) = match upper.as_str() {
+            _ if is_calculated => {
+                ("the statements of the condition".to_owned(), "the statements that calculate the value".to_owned())
+            }
+            "TRUE" | "1" => (format!("`{}`", name(StlInsn::SetRlo)), format!("`{} 1`", name(StlInsn::Load))),
+            "FALSE" | "0" => (format!("`{}`", name(StlInsn::ClearRlo)), format!("`{} 0`", name(StlInsn::Load))),
+            _ => (format!("`{} {text}`", name(StlInsn::And)), format!("`{} {text}`", name(StlInsn::Load))),
+        };
+        let bits = format!("{condition} and `{} {target}`", name(StlInsn::Assign));
+        let numbers = format!("{number} and `{} {target}`", name(StlInsn::Transfer));
+        let is_number = text.starts_with(|c: char| c.is_ascii_digit() || c == '-') && !matches!(text, "0" | "1");
+        match is_bit {
+            Some(true) => format!("write {bits}"),
+            None if matches!(upper.as_str(), "TRUE" | "FALSE") => format!("write {bits}"),
+            Some(false) => format!("write {numbers}"),
+            None if is_number && !is_calculated => format!("write {numbers}"),
+            None => format!("write {bits} for bits, {numbers} for numbers"),
+        }
     }
 
     /// `lab-1`, `lab.1`, `lab 1` at `index`, with the index after it.
@@ -408,14 +434,14 @@ impl<'a> Classifier<'a, '_> {
                 Some(("a statement begins with an instruction".to_owned(), "a form of other languages", help))
             }
             ("#", Some(name)) => {
-                let (left, right) = rest.split_once('=')?;
-                let (left, right) = (left.trim_end(), right.trim());
-                let is_name = left == self.slice(*name) && !right.is_empty();
-                is_name.then(|| {
+                let sign =
+                    self.raw_at(index + 2).filter(|_| !self.ends_before(index + 2) && !self.ends_before(index + 3))?;
+                matches!(self.slice(sign), "=" | "==").then(|| {
+                    let target = format!("#{}", self.slice(*name));
                     (
                         "a statement begins with an instruction".to_owned(),
                         "a form of other languages",
-                        format!("write `A {right}` and `= #{left}` for bits, `L {right}` and `T #{left}` for numbers"),
+                        self.assigned(&target, index + 3, None),
                     )
                 })
             }
