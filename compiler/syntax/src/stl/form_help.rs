@@ -3,7 +3,7 @@
 use crate::ast::{BlockPrefix, Width};
 use crate::stl::messages::State;
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{StlInsn, forms};
+use crate::stl::{Mnemonics, StlInsn, forms};
 
 /// The help for the token at `index`, which cannot stand there; `first` is the first token of its statement.
 pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
@@ -85,7 +85,8 @@ pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
 }
 
 /// The help for a second operand, `second`, of an instruction.
-pub fn of_second_operand(insn: StlInsn, mnemonic: &str, operand: &str, second: &str) -> Option<String> {
+pub fn of_second_operand(set: Mnemonics, insn: StlInsn, operand: &str, second: &str) -> Option<String> {
+    let mnemonic = insn.mnemonic(set);
     // Letters, then a number.
     let is_one_of = |text: &str, known: &[&str]| {
         let number = text.trim_start_matches(|c: char| c.is_ascii_alphabetic());
@@ -94,7 +95,11 @@ pub fn of_second_operand(insn: StlInsn, mnemonic: &str, operand: &str, second: &
         known.iter().any(|known| known.eq_ignore_ascii_case(letters)) && is_number(number.trim())
     };
     let calls = matches!(insn, StlInsn::CallUnconditional | StlInsn::CallConditional);
-    if calls && (is_one_of(second, &["DB"]) || second.starts_with(['"', '#'])) {
+    let is_data = is_one_of(second, &["DB"]) || second.starts_with(['"', '#']);
+    if calls && is_data && is_one_of(operand, &["FC", "SFC"]) {
+        return Some(format!("remove it: `{operand}` has no data block"));
+    }
+    if calls && is_data {
         let condition = if insn == StlInsn::CallConditional { ", and jump past it for the condition" } else { "" };
         return Some(format!("only `CALL` has a data block: write `CALL {operand}, {second}`{condition}"));
     }
@@ -104,8 +109,21 @@ pub fn of_second_operand(insn: StlInsn, mnemonic: &str, operand: &str, second: &
     }
     let is_bit = operand.contains('.') && !operand.starts_with(['"', '#']);
     let is_count = second.bytes().all(|digit| digit.is_ascii_digit());
-    (matches!(insn, StlInsn::Set | StlInsn::Reset) && is_bit && is_count)
-        .then(|| format!("remove it: `{mnemonic} {operand}` writes one bit"))
+    match insn {
+        StlInsn::Set | StlInsn::Reset if is_count && is_bit => {
+            Some(format!("remove it: `{mnemonic} {operand}` writes one bit"))
+        }
+        StlInsn::Reset if is_count => Some(format!("remove it: `{mnemonic}` has no number")),
+        StlInsn::Set if is_count => {
+            let load = StlInsn::Load.mnemonic(set);
+            let counter = format!("write `{load} C#{second}` on the line before");
+            Some(match is_one_of(operand, &["C", "Z"]) {
+                true => counter,
+                false => format!("remove it for a bit; for a counter {counter}"),
+            })
+        }
+        _ => None,
+    }
 }
 
 /// `FB 1.DB 1`, `FB1:DB1`, `FB1 WITH DB1` after CALL.

@@ -86,7 +86,7 @@ pub fn surplus_operand(state: &State, insn: StlInsn, insn_end: usize, start: usi
     let is_time = |text: &str| matches!(unit(text).as_str(), "S" | "MS" | "M" | "H");
     let help = match lines.as_slice() {
         [] => "remove the comma".to_owned(),
-        [_] if let Some(help) = form_help::of_second_operand(insn, mnemonic, operand, written[0]) => help,
+        [_] if let Some(help) = form_help::of_second_operand(state.rules, insn, operand, written[0]) => help,
         [_] if constant(written[0]) && is_time(written[0]) => {
             format!("write `L S5T#{}` on the line before", written[0])
         }
