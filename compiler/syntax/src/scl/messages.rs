@@ -277,12 +277,17 @@ impl Recovery {
                 let name = name.trim_start_matches('#');
                 let rest = state.text.get(at.2..).unwrap_or_default();
                 let rest = rest.split([';', '\n', '\r']).next().unwrap_or_default().trim();
+                // Temporary data have no start values.
+                let (ty, assigned) = match rest.split_once(":=") {
+                    Some((ty, value)) => (ty.trim(), format!(", and `#{name} := {};` here", value.trim())),
+                    None => (rest, String::new()),
+                };
                 told(
                     at.0,
                     at.2,
                     "a variable is declared before the statements".to_owned(),
                     "a declaration",
-                    format!("write `{name} : {rest};` in a section such as `VAR_TEMP … END_VAR`, before BEGIN"),
+                    format!("write `{name} : {ty};` in a section such as `VAR_TEMP … END_VAR`, before BEGIN{assigned}"),
                 )
             }
             // `a := 1 b := 2;`
