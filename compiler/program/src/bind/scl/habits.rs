@@ -178,14 +178,26 @@ impl SclBinder<'_, '_> {
             Some(self.program.globals.text(value.span))
         };
         let range = || Some((pin("MIN")?, pin("VAL")?, pin("MAX")?));
+        let moved = || {
+            // `OUT`, `OUT1`, `OUT2`
+            let is_output =
+                |name: &Name| name.text.trim_end_matches(|c: char| c.is_ascii_digit()).eq_ignore_ascii_case("OUT");
+            let outputs = given.iter().filter(|given| given.name.as_ref().is_some_and(is_output));
+            let value = pin("IN")?;
+            let assignment = |target: &Node| format!("{} := {value};", self.program.globals.text(target.span));
+            let written: Vec<String> = outputs.filter_map(|given| given.value.as_ref()).map(assignment).collect();
+            (!written.is_empty()).then(|| written.join(" "))
+        };
+        let enabled = |statement: String| match pin("EN") {
+            Some(enable) => format!("IF {enable} THEN {statement} END_IF;"),
+            None => statement,
+        };
         let written = match name.text.to_ascii_uppercase().as_str() {
-            "MOVE" => {
-                pin("OUT").or_else(|| pin("OUT1")).zip(pin("IN")).map(|(target, value)| format!("{target} := {value};"))
-            }
+            "MOVE" => moved().map(enabled),
             "IN_RANGE" => range().map(|(low, value, high)| format!("({low} <= {value} AND {value} <= {high})")),
             "OUT_RANGE" => range().map(|(low, value, high)| format!("({value} < {low} OR {value} > {high})")),
-            "INC" => pin("IN_OUT").map(|count| format!("{count} := {count} + 1;")),
-            "DEC" => pin("IN_OUT").map(|count| format!("{count} := {count} - 1;")),
+            "INC" => pin("IN_OUT").map(|count| enabled(format!("{count} := {count} + 1;"))),
+            "DEC" => pin("IN_OUT").map(|count| enabled(format!("{count} := {count} - 1;"))),
             _ => None,
         };
         let Some(written) = written.filter(|_| name.form == NameForm::Bare && !self.may_be_of_program(ctx, name))
