@@ -456,15 +456,13 @@ impl Declarations<'_> {
             if !self.fits_with_others(typed.ty.bytes, span) {
                 return;
             }
-            if let Some((other, defined)) = unnamed.get(&key) {
-                let block = self.globals.shown(key);
+            if let Some((_, defined)) = unnamed.get(&key) {
+                let (block, other) = (self.globals.shown(key), self.globals.text(*defined));
                 self.report(
                     Diagnostic::new(Code::DbMissing, span, format!("DB {instance} is not defined"))
                         .label(format!("created for this call, with the start values of {block}"))
                         .also(*defined, "no call names this instance of the same block")
-                        .help(format!(
-                            "write `DB {other}` if that is meant, or define DB {instance} as an instance, too"
-                        )),
+                        .help(format!("write `{other}` if that is meant, or define DB {instance} as an instance, too")),
                 );
             }
             let kept = self.kept(&ast::Header::default(), &[], Some(key), &typed.ty);
