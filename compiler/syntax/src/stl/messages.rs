@@ -400,11 +400,12 @@ fn declaration_error(state: &State, at: Option<&Spanned>, before: Option<&Spanne
 fn without_colon(state: &State, before: &Spanned, at: &Spanned) -> Option<String> {
     let ((start, Tok::Name(_), end), (at_start, Tok::Name(_), at_end)) = (before, at) else { return None };
     let index = state.index_of(*start);
-    let follows_colon = index.checked_sub(1).is_some_and(|colon| matches!(state.tokens[colon].1, Tok::Colon));
+    // `x : UNSIGNED INT`, `x : ARRAY[1..5] OF UNSIGNED INT`
+    let is_in_type = index.checked_sub(1).is_some_and(|before| matches!(state.tokens[before].1, Tok::Colon | Tok::Of));
     let (first, second) = (&state.text[*start..*end], &state.text[*at_start..*at_end]);
     let is_type = |word: &str| Elementary::from_word(&word.to_ascii_uppercase()).is_some();
     let (name, ty) = match (is_type(first), is_type(second)) {
-        _ if follows_colon => return None,
+        _ if is_in_type => return None,
         (false, true) => (first, second),
         (true, false) => (second, first),
         (false, false) | (true, true) => return None,
