@@ -292,7 +292,8 @@ impl<'a> Classifier<'a, '_> {
         let is_calculated = (value..).take_while(|at| !self.ends_before(*at)).any(|at| {
             let is_word = matches!(self.upper(at).as_str(), "NOT" | "AND" | "OR" | "XOR" | "MOD" | "DIV");
             let sign = self.raw_at(at).map_or("", |token| self.slice(token));
-            is_word || matches!(sign, "(" | "+" | "*" | "/") || sign == "-" && at > value
+            let is_sign = matches!(sign, "(" | "+" | "*" | "/" | "=" | "==" | "<>" | "<" | ">" | "<=" | ">=");
+            is_word || is_sign || sign == "-" && at > value
         });
         let text = self.rest_of_statement(value);
         let upper = text.to_ascii_uppercase();
