@@ -126,7 +126,7 @@ fn tcp_address(text: &str) -> Result<String, String> {
     }
 }
 
-/// The key and the address that are meant by a reference number: 40001 and 400001 are the first holding register. `None`: it is none.
+/// The key and the address that are meant by a reference number: 40001 and 400001 are the first holding register. `None`: it is not one.
 /// Those of coils have no digit of their own, so they cannot be told from addresses.
 ///
 /// Source: MODBUS Application Protocol Specification V1.1b3, 4.4: element n of a table has the address n - 1.
