@@ -160,7 +160,10 @@ fn of_brackets(rest: &str) -> Option<String> {
     let offset = offset.strip_prefix("P#").unwrap_or(offset);
     let (byte, bit) = offset.split_once('.').unwrap_or((offset, "0"));
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit());
-    (digits(byte) && digits(bit)).then(|| format!("write `{letters}[{register},P#{byte}.{bit}]`"))
+    let meant = format!("{letters}[{register},P#{byte}.{bit}]");
+    // `Q [AR1,P#0.1]` in a file with German mnemonics: not the brackets are wrong.
+    let bare = |text: &str| text.split_whitespace().collect::<String>().to_ascii_uppercase();
+    (digits(byte) && digits(bit) && bare(&meant) != bare(rest)).then(|| format!("write `{meant}`"))
 }
 
 /// `I 0-0`, `I 0:0`, `I 0 0`, `I 0.`: `byte` is what is before the sign.
