@@ -210,6 +210,10 @@ impl Maker<'_> {
                 _ => return self.refuse(pin.span, "an inverted output", "invert the value after the box"),
             };
             let name = if is_result { "RET_VAL".to_string() } else { pin.name.to_uppercase() };
+            if parameters.iter().any(|given: &Parameter| given.name == name) {
+                let what = format!("the output `{}` of a call with several connections", pin.name);
+                return self.refuse(pin.span, what, "connect one variable, and copy it into the others after the call");
+            }
             parameters.push(Parameter { name, name_span: pin.span, actual: Some(actual) });
         }
         for parameter in &mut parameters {

@@ -266,6 +266,43 @@ fn programs_of_projects_do_not_call_themselves() {
     assert_eq!(list.matches("CALL  \"Main\", \"Main_DB\"").count(), 1, "{list}");
 }
 
+/// An output of a call at two variables: a call in STL would have the parameter twice.
+#[test]
+fn outputs_of_calls_with_several_connections_are_refused() {
+    const PROJECT: &str = r#"<?xml version="1.0" encoding="utf-8"?>
+<project xmlns="http://www.plcopen.org/xml/tc6_0201">
+  <types><dataTypes/><pous>
+    <pou name="Main" pouType="program">
+      <interface><localVars>
+        <variable name="edge"><type><derived name="R_TRIG"/></type></variable>
+        <variable name="go"><type><BOOL/></type></variable>
+        <variable name="one"><type><BOOL/></type></variable>
+        <variable name="two"><type><BOOL/></type></variable>
+      </localVars></interface>
+      <body><FBD>
+        <inVariable localId="1"><connectionPointOut/><expression>go</expression></inVariable>
+        <block localId="2" typeName="R_TRIG" instanceName="edge" executionOrderId="1">
+          <inputVariables><variable formalParameter="CLK"><connectionPointIn><connection refLocalId="1"/></connectionPointIn></variable></inputVariables>
+          <inOutVariables/>
+          <outputVariables><variable formalParameter="Q"><connectionPointOut/></variable></outputVariables>
+        </block>
+        <outVariable localId="3" executionOrderId="2"><connectionPointIn><connection refLocalId="2" formalParameter="Q"/></connectionPointIn><expression>one</expression></outVariable>
+        <outVariable localId="4" executionOrderId="3"><connectionPointIn><connection refLocalId="2" formalParameter="Q"/></connectionPointIn><expression>two</expression></outVariable>
+      </FBD></body>
+    </pou>
+  </pous></types>
+  <instances><configurations/></instances>
+</project>
+"#;
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("a.xml"), PROJECT).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.xml", "--to", "stl", "--cpu", "s7-1500"]);
+    let said = text(&made.stderr);
+    assert_eq!(made.status.code(), Some(3), "{said}");
+    assert!(said.contains("the output `q` of a call with several connections"), "{said}");
+}
+
 /// An output at a variable and at a wire: a document of SIMATIC SD would have the pin twice.
 #[test]
 fn outputs_with_several_connections_are_refused() {
