@@ -4,14 +4,17 @@
 //! here, and the context shows which type it must have: the other side of an assignment, the parameter of a call, the STL instruction.
 
 use plcc_diag::Span;
-use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, OperandKind, PathPart, TypeKind, Width};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, Bound, OperandKind, PathPart, TypeKind, Width};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 use plcc_syntax::scl::{absolute, db_address};
 use plcc_syntax::{Elementary, scl};
+use rustc_hash::FxHashMap;
 
 use super::evidence::{Evidence, Hint};
 use super::inside::descend;
+use super::scl::parameter_hint;
 use crate::bind::declarations::Declarations;
+use crate::bind::declarations::typed::Use;
 use crate::bind::scl::value::Value;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
@@ -24,6 +27,8 @@ use plcc_model::types::{DataType, ParameterType};
 pub struct Look<'b, 'a> {
     pub program: &'b mut Declarations<'a>,
     pub found: &'b mut Evidence,
+    /// Interfaces as calls describe them, by folded names.
+    pub outlines: &'b FxHashMap<String, &'b ast::CodeBlock>,
 }
 
 /// A step from a variable into its parts.
@@ -45,6 +50,40 @@ pub enum Start {
     Local(String),
     Global(String),
     Block(BlockPrefix, u32),
+}
+
+impl<'b> Look<'b, '_> {
+    /// The interface of a missing block, as its calls describe it. `start`: the block, or a variable that is its instance.
+    fn outline(&self, ctx: &SclBlock, start: &Start) -> Option<&'b ast::CodeBlock> {
+        let name = match start {
+            Start::Global(name) => name.clone(),
+            Start::Local(name) => {
+                let ty = self.declared_type(ctx.block.key, name)?;
+                let TypeKind::Block(BlockName::Symbol { name, .. }) = ty.kind else { return None };
+                name
+            }
+            Start::Block(..) => return None,
+        };
+        self.outlines.get(&fold(&name)).copied()
+    }
+
+    /// The type that calls of a missing block state for a parameter.
+    pub fn stated(&mut self, ctx: &SclBlock, start: &Start, parameter: &str) -> Option<Hint> {
+        let mut sections = self.outline(ctx, start)?.sections.iter();
+        let (kind, ty) = sections.find_map(|section| {
+            let variable = section.variables.iter().find(|variable| fold(&variable.name) == fold(parameter))?;
+            Some((section.kind, &variable.ty))
+        })?;
+        let typed = self.quietly(|program| program.resolve_type(ty, Use::Parameter(kind)))?;
+        parameter_hint(&typed.ty)
+    }
+
+    /// The type that calls of a missing function state for its value.
+    pub fn stated_value(&mut self, ctx: &SclBlock, start: &Start) -> Option<Hint> {
+        let ty = self.outline(ctx, start)?.return_type.as_ref()?;
+        let typed = self.quietly(|program| program.resolve_type(ty, Use::Result))?;
+        parameter_hint(&typed.ty)
+    }
 }
 
 impl<'a> Look<'_, 'a> {

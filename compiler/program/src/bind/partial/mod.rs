@@ -205,7 +205,8 @@ fn gather(input: &BindInput, file: FileId) -> Evidence {
 
 fn look_at(program: &mut Declarations, evidence: &mut Evidence, file: FileId) {
     let input = program.globals.input;
-    let mut look = Look { program, found: evidence };
+    let outlines = outlines(input);
+    let mut look = Look { program, found: evidence, outlines: &outlines };
     for (unit_file, unit) in input.units {
         if *unit_file == file {
             continue;

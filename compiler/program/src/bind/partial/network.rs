@@ -232,7 +232,9 @@ impl Look<'_, '_> {
         };
         self.call(ctx, &call, &inputs, of_value.as_ref(), !result || instance.is_some());
         if let Some(value) = value {
-            self.expect(ctx, &value, None);
+            let place = self.steps(ctx, callee).filter(|(_, steps, _)| steps.is_empty());
+            let hint = place.and_then(|(start, ..)| self.stated_value(ctx, &start));
+            self.expect(ctx, &value, hint.as_ref());
         }
         // Wires have no expressions: the missing block gets their types directly.
         let Some((start, steps, span)) = self.steps(ctx, callee) else { return };

@@ -335,7 +335,10 @@ impl Look<'_, '_> {
                 }
                 continue;
             }
-            let known = argument.value.as_ref().and_then(|value| self.hint_of(ctx, value));
+            let mut known = argument.value.as_ref().and_then(|value| self.hint_of(ctx, value));
+            if known.is_none() && steps.is_empty() {
+                known = self.stated(ctx, start, &name);
+            }
             formals.push((name, argument.output, known));
         }
         let mut wanted = Vec::new();
