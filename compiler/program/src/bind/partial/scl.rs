@@ -335,11 +335,15 @@ impl Look<'_, '_> {
                 }
                 continue;
             }
-            let mut known = argument.value.as_ref().and_then(|value| self.hint_of(ctx, value));
-            if known.is_none() && steps.is_empty() {
-                known = self.stated(ctx, start, &name);
+            let stated = if steps.is_empty() { self.stated(ctx, start, &name) } else { None };
+            // The type of a data type that is missing, too, is known later than what stands in for the argument.
+            if let (Some(hint), Some(value)) = (&stated, &argument.value)
+                && let Some((start, steps, span)) = self.steps(ctx, value)
+            {
+                self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.learn(Some(hint)));
             }
-            formals.push((name, argument.output, known));
+            let known = argument.value.as_ref().and_then(|value| self.hint_of(ctx, value));
+            formals.push((name, argument.output, known.or(stated)));
         }
         let mut wanted = Vec::new();
         self.with_shape(ctx, start, steps, span, &mut |shape| {
