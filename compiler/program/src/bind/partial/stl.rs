@@ -286,7 +286,12 @@ impl Look<'_, '_> {
         }
         if is_missing {
             for parameter in &call.parameters {
-                let known = parameter.actual.as_ref().and_then(|actual| self.operand_hint(ctx, actual));
+                let stated = match parameter.name.eq_ignore_ascii_case("RET_VAL") {
+                    _ if !steps.is_empty() => None,
+                    true => self.stated_value(ctx, &start),
+                    false => self.stated(ctx, &start, &parameter.name),
+                };
+                let known = parameter.actual.as_ref().and_then(|actual| self.operand_hint(ctx, actual)).or(stated);
                 let mut wanted = None;
                 self.with_shape(ctx, &start, &steps, span, &mut |shape| {
                     let formal = shape.formal(&parameter.name, false);
