@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use plcc_abi::image::{Family, Profile};
-use plcc_diag::{SourceFile, SourceMap};
+use plcc_diag::{FileId, SourceFile, SourceMap};
 use plcc_model::profile;
 use plcc_readers::ReadOptions;
-use plcc_syntax::ast::{Block, Code};
+use plcc_syntax::ast::{Block, Code, SourceUnit, Statement, StatementKind};
 use plcc_syntax::{chart, scl};
 use serde::Deserialize;
 use toml::Spanned;
@@ -105,14 +105,42 @@ fn settings(
         ConvertTo::Stl | ConvertTo::Gr7 | ConvertTo::Awl | ConvertTo::Plcopen => false,
         ConvertTo::Lad | ConvertTo::Fbd | ConvertTo::Sd | ConvertTo::Scl | ConvertTo::Xml => true,
     });
-    let implies_another = match of_portal {
-        Some(made) => is_named || !keeps_rules(parsed, made, &cpu),
-        None => to == Some(ConvertTo::Stl) && cpu.family == Family::S71500,
+    let is_list = to == Some(ConvertTo::Stl);
+    let needs_another = || {
+        is_named && cpu.family == Family::S71200
+            || made.is_some_and(|(to, files)| calls_instructions(&units_of(to, files)))
     };
-    if !names_cpu && implies_another {
-        text = format!("cpu = \"{}\"\n{text}", cpu.name);
+    let new = match of_portal {
+        Some(made) => (is_named || !keeps_rules(parsed, made, &cpu)).then_some(cpu.name.as_str()),
+        None if is_list && cpu.family == Family::S71500 => Some(cpu.name.as_str()),
+        None => (is_list && needs_another()).then_some(without_stl::USUAL),
+    };
+    if let Some(new) = new.filter(|_| !names_cpu) {
+        text = format!("cpu = \"{new}\"\n{text}");
     }
     Ok(text)
+}
+
+/// The new files as they are read.
+fn units_of(to: ConvertTo, files: &[Converted]) -> Vec<(FileId, SourceUnit)> {
+    let options =
+        ReadOptions { language: plcc_syntax::Language::of_extension(to.extension()), ..ReadOptions::default() };
+    let mut sources = SourceMap::default();
+    let read = |file: &Converted| {
+        let id = sources.add(SourceFile::new(file.name.as_str(), file.text.as_str()));
+        (id, plcc_readers::parse(id, &file.text, &options).0)
+    };
+    files.iter().map(read).collect()
+}
+
+/// Whether statement lists call instructions, `CALL SEL {value_type := INT}`, which only an S7-1500 has.
+fn calls_instructions(units: &[(FileId, SourceUnit)]) -> bool {
+    let is_instruction =
+        |statement: &Statement| matches!(&statement.kind, StatementKind::Call(call) if !call.types.is_empty());
+    units.iter().flat_map(|(_, unit)| &unit.blocks).any(|block| match block {
+        Block::Code(code) => code.networks().iter().flat_map(|network| &network.statements).any(is_instruction),
+        Block::Data(_) | Block::Type(_) => false,
+    })
 }
 
 /// Whether the new files follow the rules of the sources if nothing names a CPU: all blocks are of the TIA Portal, and the files imply the
@@ -131,17 +159,7 @@ fn keeps_rules(parsed: &pipeline::Parsed, (to, files): (ConvertTo, &[Converted])
     if !parsed.units.iter().flat_map(|(_, unit)| &unit.blocks).all(is_of_portal) {
         return false;
     }
-    let options =
-        ReadOptions { language: plcc_syntax::Language::of_extension(to.extension()), ..ReadOptions::default() };
-    let mut sources = SourceMap::default();
-    let units: Vec<_> = files
-        .iter()
-        .map(|file| {
-            let id = sources.add(SourceFile::new(file.name.as_str(), file.text.as_str()));
-            (id, plcc_readers::parse(id, &file.text, &options).0)
-        })
-        .collect();
-    let of_files = plcc_program::implied_profile(&units);
+    let of_files = plcc_program::implied_profile(&units_of(to, files));
     let is_unnamed_300 = implied.family == Family::S7300 && !implied.limits_checked;
     of_files == *implied || is_unnamed_300 && of_files.family == Family::S71500
 }

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::companions::cpu_of_pragma;
 
 /// The CPU of the statements, if nobody names one.
-const USUAL: &str = "s7-1500";
+pub(super) const USUAL: &str = "s7-1500";
 
 #[derive(Deserialize)]
 struct Settings {

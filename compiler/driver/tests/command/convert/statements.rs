@@ -486,3 +486,32 @@ fn statements_of_networks_are_all_reached() {
     let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(found.contains("4 passed, 0 failed") && !found.contains("warning"), "{found}");
 }
+
+/// Statements that only an S7-1500 has, or are for one since the named CPU has none, have settings that name it.
+#[test]
+fn statements_that_need_another_cpu_have_settings_that_name_it() {
+    let source = |element: &str| {
+        format!(
+            "ORGANIZATION_BLOCK Main\n    VAR_TEMP\n        u : UInt;\n    END_VAR\n{{ S7_Language := \"LAD\" }}\nNETWORK\n    \
+             RUNG wire#powerrail  {element}  END_RUNG\nEND_NETWORK\nEND_ORGANIZATION_BLOCK\n"
+        )
+    };
+    let sel = source("Sel{ value_type := UInt }( g := TRUE, in0 := 1, in1 := 2, out => #u )");
+    let contact = source("Contact( %M0.0 )  Coil( %M0.1 )");
+    for (text_of_main, cpu) in [(sel, None), (contact, Some("s7-1200"))] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let folder = folder.path();
+        fs::create_dir(folder.join("plant")).expect("the folder can be written");
+        fs::write(folder.join("plant/main.s7dcl"), text_of_main).expect("the folder can be written");
+        let mut flags = vec!["convert", "plant", "--to", "stl", "-o", "made/"];
+        if let Some(cpu) = cpu {
+            flags.extend(["--cpu", cpu]);
+        }
+        let made = plcc(folder, &flags);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it was written");
+        assert_eq!(settings, "cpu = \"s7-1500\"\n");
+        let checked = plcc(folder, &["check", "made"]);
+        assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    }
+}
