@@ -214,17 +214,24 @@ impl Maker<'_> {
     fn case(&mut self, selector: &Expr, arms: &[Arm], otherwise: &[Statement], statement: &Statement) {
         let parts = self.positions.compound(statement.span.start);
         self.go_to(selector.span);
-        if super::logic::comparison(CompareOp::LessEqual, selector.ty).is_none() {
+        // Types without an order in STL become DINT.
+        let (ty, less) = match selector.ty {
+            Elementary::Sint => (Elementary::Dint, 0),
+            Elementary::Dword | Elementary::Udint => (Elementary::Dint, 1_i128 << 31),
+            ty => (ty, 0),
+        };
+        if super::logic::comparison(CompareOp::LessEqual, ty).is_none() {
             let what = format!("CASE of {}", selector.ty.name());
             return self.refuse(selector.span, what, "convert the value to DINT");
         }
         self.number(selector);
-        let value = self.keep(selector.ty);
+        self.as_side(selector.ty, true);
+        let value = self.keep(ty);
         let (end, default) = (self.new_label(), self.new_label());
         let labels: Vec<String> = arms.iter().map(|_| self.new_label()).collect();
         for (arm, label) in arms.iter().zip(&labels) {
             for &(low, high) in arm.ranges.iter().filter(|(low, high)| low <= high) {
-                self.in_range(&value, selector.ty, low, high);
+                self.in_range(&value, ty, low - less, high - less);
                 self.jump(StlInsn::JumpIf, label);
             }
         }

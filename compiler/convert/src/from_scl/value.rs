@@ -115,7 +115,8 @@ impl Maker<'_> {
         }
     }
 
-    fn as_side(&mut self, ty: Elementary, ordered: bool) {
+    /// One of two values to be compared or computed: see [`Self::pair`].
+    pub fn as_side(&mut self, ty: Elementary, ordered: bool) {
         match ty {
             Elementary::Sint => {
                 self.sign_of_byte();
