@@ -2,9 +2,11 @@
 
 use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::Span;
-use plcc_model::scl::{Access, Actual, Argument, Base, Call, Complex, Conversion, Expr, ExprKind, Instance};
+use plcc_model::scl::{
+    Access, Actual, Argument, Base, Call, Complex, Conversion, Expr, ExprKind, IndexedArea, Instance,
+};
 use plcc_model::types::{DataType, Elementary, ParameterType};
-use plcc_model::{BlockKey, Body, CodeBlock, Direction, Number, Parameter, Place};
+use plcc_model::{BlockKey, Body, CodeBlock, Direction, Number, Parameter, Place, PlaceArea};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CellKind, Operand, OperandKind, Path, PathRoot, StatusOperand};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
@@ -428,7 +430,11 @@ impl Maker<'_> {
 
     /// The value that a variable has before the call, if it is of the same size: a function may leave an output as it is.
     fn preload(&mut self, back: &Back) {
-        if back.access.elementary().is_some_and(|ty| ty.bits() == back.formal.bits()) {
+        let is_write_only = matches!(
+            back.access.base,
+            Base::Place(Place::Pq { .. }) | Base::Indexed { area: IndexedArea::Memory(PlaceArea::Pq), .. }
+        );
+        if !is_write_only && back.access.elementary().is_some_and(|ty| ty.bits() == back.formal.bits()) {
             let operand = self.reach(&back.target, back.formal);
             self.load_and_store(back.formal, operand, back.from.clone());
         }
