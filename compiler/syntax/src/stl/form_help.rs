@@ -5,6 +5,8 @@ use crate::stl::messages::State;
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, StlInsn, forms};
 
+const REGISTERS: [&str; 2] = ["AR1", "AR2"];
+
 /// The help for the token at `index`, which cannot stand there; `first` is the first token of its statement.
 pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
     let (at_start, at, at_end) = state.tokens.get(index)?;
@@ -147,23 +149,34 @@ fn of_brackets(rest: &str) -> Option<String> {
     let (letters, inner) = rest.split_once('[')?;
     let (inner, after) = inner.split_once(']').map_or((inner, None), |(inner, after)| (inner, Some(after)));
     let letters = letters.trim_end();
-    let upper = inner.to_ascii_uppercase();
-    let Some(register) = ["AR1", "AR2"].into_iter().find(|register| upper.contains(register)) else {
+    if !names_register(inner) {
         return match after {
             None => Some(format!("write `{letters}[{}]`", inner.trim())),
             Some(after) if after.trim() == "]" => Some("remove the second `]`".to_owned()),
             Some(_) => None,
         };
-    };
+    }
+    let meant = format!("{letters}{}", register_and_offset(inner)?);
+    // `Q [AR1,P#0.1]` in a file with German mnemonics: not the brackets are wrong.
+    let bare = |text: &str| text.split_whitespace().collect::<String>().to_ascii_uppercase();
+    (bare(&meant) != bare(rest)).then(|| format!("write `{meant}`"))
+}
+
+fn names_register(inner: &str) -> bool {
+    let upper = inner.to_ascii_uppercase();
+    REGISTERS.iter().any(|register| upper.contains(register))
+}
+
+/// `[AR1,P#2.0]` for `AR1+2` and `P#2.0,AR1`.
+pub fn register_and_offset(inner: &str) -> Option<String> {
+    let upper = inner.to_ascii_uppercase();
+    let register = REGISTERS.into_iter().find(|register| upper.contains(register))?;
     let offset = upper.replacen(register, "", 1);
     let offset = offset.trim_matches(|c: char| matches!(c, ',' | '+' | '.' | ' ' | '\t'));
     let offset = offset.strip_prefix("P#").unwrap_or(offset);
     let (byte, bit) = offset.split_once('.').unwrap_or((offset, "0"));
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit());
-    let meant = format!("{letters}[{register},P#{byte}.{bit}]");
-    // `Q [AR1,P#0.1]` in a file with German mnemonics: not the brackets are wrong.
-    let bare = |text: &str| text.split_whitespace().collect::<String>().to_ascii_uppercase();
-    (digits(byte) && digits(bit) && bare(&meant) != bare(rest)).then(|| format!("write `{meant}`"))
+    (digits(byte) && digits(bit)).then(|| format!("[{register},P#{byte}.{bit}]"))
 }
 
 /// `I 0-0`, `I 0:0`, `I 0 0`, `I 0.`: `byte` is what is before the sign.

@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic};
 use super::Classifier;
 use crate::stl::raw::{RawKind, RawToken};
 use crate::stl::token::Tok;
-use crate::stl::{OperandClass, StlInsn};
+use crate::stl::{OperandClass, StlInsn, form_help, mnemonics};
 
 impl Classifier<'_, '_> {
     /// `A (I 0.0 OR I 0.1)` and `A( O I 0.0 )`, read up to the `)`, after `A (` that begins at byte `start`; false: something else follows.
@@ -67,6 +67,8 @@ impl Classifier<'_, '_> {
             Tok::Jump(_) => true,
             _ => return false,
         };
+        let takes_block =
+            matches!(insn, Tok::Insn(insn) if matches!(insn.operand(), OperandClass::Block | OperandClass::DataBlock));
         let mnemonic = &self.text[*start..*end];
         let inner = self.text[opening.end as usize..self.raw[close].start as usize].trim();
         match &self.out[first..] {
@@ -79,7 +81,10 @@ impl Classifier<'_, '_> {
                 let is_number = inner.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
                 let (title, help) = match is_number {
                     true => ("an address of STL has no parentheses", format!("write `{mnemonic} {letters} {inner}`")),
-                    false => ("what holds an address is in brackets", format!("write `{mnemonic} {letters}[{inner}]`")),
+                    false => {
+                        let meant = form_help::register_and_offset(inner).unwrap_or_else(|| format!("[{inner}]"));
+                        ("what holds an address is in brackets", format!("write `{mnemonic} {letters}{meant}`"))
+                    }
                 };
                 self.report_parentheses(opening, close, title, help);
             }
@@ -91,6 +96,11 @@ impl Classifier<'_, '_> {
                     Some(_) => (
                         format!("`{upper}` is an instruction of its own"),
                         format!("write `{mnemonic} {inner}`, and `{upper}` on the next line"),
+                    ),
+                    // `OPN DB(MW 10)`
+                    None if takes_block && mnemonics::block_prefix(&upper).is_some() => (
+                        "what holds the number of a block is in brackets".to_owned(),
+                        format!("write `{mnemonic} {name}[{inner}]`"),
                     ),
                     None => (
                         format!("an operand of STL cannot call `{name}`"),
