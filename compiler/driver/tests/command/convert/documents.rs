@@ -7,7 +7,7 @@ use super::{plcc, text};
 /// SCL that shows neither the TIA Portal nor STEP 7 V5 is that of its CPU.
 #[test]
 fn plain_scl_becomes_a_document_if_its_cpu_is_of_the_portal() {
-    let scl = "FUNCTION_BLOCK Sum\nVAR_INPUT\n  a : INT;\nEND_VAR\nVAR\n  n : INT;\nEND_VAR\nBEGIN\n  n := n + a;\nEND_FUNCTION_BLOCK\n";
+    let scl = "FUNCTION_BLOCK Sum\nVAR_INPUT\n  a : INT;\nEND_VAR\nVAR\n  n : INT;\nEND_VAR\nBEGIN\n  IF a > n THEN RETURN; END_IF;\nEND_FUNCTION_BLOCK\n";
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     fs::write(folder.join("a.scl"), scl).expect("the folder can be written");

@@ -124,15 +124,6 @@ fn reports_of_migrations_have_blocks_of_the_libraries() {
     assert!(!report.contains("FC 2 "), "{report}");
 }
 
-/// Statements of STL have no steps.
-#[test]
-fn charts_are_refused_as_stl() {
-    let chart = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/graph/activation_order.gr7");
-    let output = plcc(&programs(), &["convert", &chart.to_string_lossy(), "--to", "stl"]);
-    assert_eq!(output.status.code(), Some(3));
-    assert!(text(&output.stderr).contains("STL has no form for a chart of GRAPH"), "{}", text(&output.stderr));
-}
-
 /// `SE` starts an on-delay in one set and an extended pulse in the other.
 #[test]
 fn a_source_that_does_not_show_its_mnemonics_has_those_of_the_others() {

@@ -36,7 +36,9 @@ impl<'a> Classifier<'a, '_> {
             _ => statement.keyword == Keyword::Repeat,
         };
         let Some(index) = open.iter().rposition(fits) else {
+            let has_condition = self.raw.get(self.at + 1).is_some_and(|next| next.kind != RawKind::Semicolon);
             let begins = matches!(word, Keyword::Elsif | Keyword::ElseIf)
+                && has_condition
                 && !open.iter().any(|statement| statement.keyword == Keyword::If);
             return match begins {
                 true => self.if_without_beginning(token, open),
