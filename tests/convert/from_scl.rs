@@ -84,6 +84,9 @@ fn run_as_stl(path: &Path, cpu: &str) -> Option<Result<Made, String>> {
         let titles = messages.into_iter().filter(|message| message.is_error()).map(|message| message.title);
         return Some(Ok(Made { blocks: 0, refused: titles.collect() }));
     }
+    // Blocks in STL may be left.
+    let has_own = unit.blocks.iter().filter(|block| is_scl(block)).count() > spans.len();
+    let extension = if has_own || is_graph { extension } else { "stl" };
     let (rest, list) = (folder.path().join("rest").with_extension(extension), folder.path().join("list.stl"));
     fs::write(&rest, without(&text, &spans)).expect("a file");
     fs::write(&list, format!("//@ cpu {cpu}\n{written}")).expect("a file");
@@ -257,7 +260,7 @@ fn views_of_other_variables_are_reached_through_ar1() {
                   b AT w : ARRAY[0..15] OF BOOL;\nEND_VAR\nBEGIN\nsb := B#16#3;\nb[9] := TRUE;\nEND_FUNCTION_BLOCK\n";
     let (messages, text) = converted(source);
     assert_eq!(messages, []);
-    let byte = ["L     P##s;", "TAR2;", "+D;", "LAR1;", "L     B#16#3;", "T     B [AR1,P#0.0];"];
+    let byte = ["L     P##s;", "TAR2;", "+D;", "LAR1;", "L     B#16#03;", "T     B [AR1,P#0.0];"];
     // In a word, bit 9 of the array is the second one of its second byte.
     let bit = ["L     P##w;", "+     L#9;", "TAR2;", "LAR1;", "SET", "=     [AR1,P#0.0];"];
     are_in_order(&text, &[byte, bit].concat());

@@ -99,9 +99,12 @@ fn run_as_stl(path: &Path) -> Result<usize, String> {
         .filter(|path| path.extension().is_none_or(|extension| extension != "xlsx"))
         .map(|path| text_of(path))
         .collect();
-    let keeps_br = texts
+    let names_300 = texts
         .iter()
         .any(|text| ["cpu 31", "cpu s7-300", "cpu = \"31", "cpu = \"s7-300"].iter().any(|cpu| text.contains(cpu)));
+    let names_cpu = texts.iter().any(|text| text.contains("//@ cpu ") || text.contains("cpu = "));
+    let implied: Vec<_> = units.iter().map(|unit| (FileId::default(), unit.clone())).collect();
+    let keeps_br = names_300 || (!names_cpu && plcc_program::implied_profile(&implied).limits_checked);
     if texts.iter().any(|text| text.starts_with("cpu = ") && text.contains("[hardware_interrupt")) {
         // Only an S7-1200 names them.
         return Ok(0);

@@ -26,7 +26,9 @@ fn exports_read_back_as_they_were() {
         let text = plcc_syntax::decode_as(&fs::read(&path).expect("a test file"), None);
         let (unit, messages) = plcc_readers::parse(FileId::default(), &text, &ReadOptions::default());
         let is_tia = plcc_readers::xml::kind(&text).is_some_and(|kind| kind != plcc_readers::xml::XmlKind::PlcOpen);
-        if has_errors(&messages) || unit.blocks.is_empty() || !is_tia {
+        // Its values have no types without the function block.
+        let is_without_block = path.ends_with("partial/instance_of_missing_block.xml");
+        if has_errors(&messages) || unit.blocks.is_empty() || !is_tia || is_without_block {
             continue;
         }
         let project = path.ancestors().skip(1).find(|folder| folder.join("plc.toml").exists());

@@ -18,6 +18,8 @@ use crate::to_stl::library::is_block;
 
 /// Blocks of the library with higher numbers have them from plcc.
 const SYSTEM_NUMBER_MAX: u16 = 999;
+/// SFB 0 to SFB 2 are counters, SFB 3 to SFB 5 timers.
+const COUNTER_OR_TIMER_MAX: u16 = 5;
 
 /// What an output of the call is copied to after it.
 struct Back<'m> {
@@ -273,7 +275,10 @@ impl Maker<'_> {
         };
         let is_function =
             || is_block(&callee.name) && callee.interface.parameters.iter().all(|formal| has_type(&formal.ty));
+        // `TON` is SFB 4 in SCL of STEP 7 V5, and another timer in STL of an S7-1500.
+        let is_classic = callee.kind == BlockKind::Sfb && callee.number <= COUNTER_OR_TIMER_MAX;
         callee.library
+            && !is_classic
             && !callee.name.is_empty()
             && self.program.profile.family == Family::S71500
             && (call.instance.is_some() || (callee.number > SYSTEM_NUMBER_MAX && is_function()))

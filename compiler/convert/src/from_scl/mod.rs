@@ -264,6 +264,11 @@ impl<'a> Maker<'a> {
             let help = "without them: leave out the attribute that sets OK or ENO, and do not read it";
             self.refuse(span, "OK and ENO that follow the errors of operations", help);
         }
+        let value = self.tree.return_type.as_ref().map(|ty| &ty.kind);
+        if matches!(value, Some(ast::TypeKind::String(Some(_)) | ast::TypeKind::WideString(Some(_)))) {
+            let help = "declare the value of the function without a length, or return the text by an output";
+            self.refuse(span, "a function whose value is a text with a length", help);
+        }
         self.check_chart();
         self.refused = false;
     }

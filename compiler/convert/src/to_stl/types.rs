@@ -30,7 +30,7 @@ pub struct Types<'a> {
     function_blocks: HashMap<String, &'a BlockName>,
     /// Blocks with code, by folded names.
     blocks: HashMap<String, &'a CodeBlock>,
-    /// Components of timers and counters of the system, by folded names of their types.
+    /// Components of timers, counters and dates with time, by folded names of their types.
     system: HashMap<String, Vec<Variable>>,
     /// Instructions that STL calls by name.
     instructions: Option<FindInstruction>,
@@ -40,7 +40,7 @@ pub struct Types<'a> {
 
 impl<'a> Types<'a> {
     pub fn new(units: impl Iterator<Item = &'a SourceUnit>, tables: &[SymbolTable]) -> Types<'a> {
-        let mut types = Types { system: system::members().collect(), ..Types::default() };
+        let mut types = Types { system: system::members().chain([system::moment()]).collect(), ..Types::default() };
         // The number of a block for its symbol, and its symbol for the number.
         let mut other_names = HashMap::new();
         for symbol in tables.iter().flat_map(|table| &table.symbols) {

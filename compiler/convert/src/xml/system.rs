@@ -32,6 +32,15 @@ fn components(of: &str) -> Vec<Variable> {
     bits.chain(values.iter().map(|name| component(name, of))).collect()
 }
 
+/// The folded name of the type of a date with time, and its components.
+///
+/// Source: S7-1200 reference, data type DTL.
+pub fn moment() -> (String, Vec<Variable>) {
+    let small = ["MONTH", "DAY", "WEEKDAY", "HOUR", "MINUTE", "SECOND"].map(|name| component(name, "USINT"));
+    let components = [component("YEAR", "UINT")].into_iter().chain(small).chain([component("NANOSECOND", "UDINT")]);
+    ("dtl".to_string(), components.collect())
+}
+
 fn component(name: &str, ty: &str) -> Variable {
     Variable {
         name: name.to_string(),
