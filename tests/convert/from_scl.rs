@@ -84,9 +84,10 @@ fn run_as_stl(path: &Path, cpu: &str) -> Option<Result<Made, String>> {
         let titles = messages.into_iter().filter(|message| message.is_error()).map(|message| message.title);
         return Some(Ok(Made { blocks: 0, refused: titles.collect() }));
     }
-    // Blocks in STL may be left.
-    let has_own = unit.blocks.iter().filter(|block| is_scl(block)).count() > spans.len();
-    let extension = if has_own || is_graph { extension } else { "stl" };
+    // Only blocks in STL may be left.
+    let is_stl = |block: &Block| matches!(block, Block::Code(code) if matches!(code.code, Code::Stl(_)));
+    let is_converted = unit.blocks.iter().filter(|block| is_scl(block)).count() == spans.len();
+    let extension = if is_converted && unit.blocks.iter().any(is_stl) { "stl" } else { extension };
     let (rest, list) = (folder.path().join("rest").with_extension(extension), folder.path().join("list.stl"));
     fs::write(&rest, without(&text, &spans)).expect("a file");
     fs::write(&list, format!("//@ cpu {cpu}\n{written}")).expect("a file");
