@@ -238,7 +238,7 @@ async def external(client):
     value = await recipe.read_value()
     assert (value.amount, value.limit) == (2.5, 9.5), value
     await refused(fixed, recipe.write_value(value))
-    # A structure with a hidden component is no value.
+    # A structure with a hidden component has no value as a whole.
     assert await node(client, '"Guarded"."mixed"').read_node_class() == ua.NodeClass.Object
     assert await names('"Guarded"."mixed"') == ["a"]
     # Addresses are no way around that, here DB 5 to 7.

@@ -85,7 +85,7 @@ fn run<'v>(
     Some(())
 }
 
-/// How many elements of the innermost arrays a type has: 1 if it is no array.
+/// How many elements of the innermost arrays a type has: 1 if it is not an array.
 fn size_of(ty: &TypeRef) -> Option<i64> {
     let TypeKind::Array { bounds, element } = &ty.kind else { return Some(1) };
     let mut size = size_of(element)?;

@@ -89,7 +89,7 @@ impl Rungs {
             })
         };
         let (flow_in, flow_out) = (flow(false, from), flow(true, to));
-        // What a statement tells of its bit is told of the operand of its contact or coil.
+        // The status of the bit of a statement is shown at the operand of its contact or coil.
         let is_contact = matches!(meaning, Meaning::Contact { .. });
         let tells_bit = is_contact || matches!(&look, Look::Coil { sign } if sign.is_empty());
         let operand = pins.iter_mut().find(|pin| pin.place == Place::Above).filter(|_| tells_bit);

@@ -63,7 +63,7 @@ fn arrays_of_structures_have_gaps() {
     }
 }
 
-/// `()` at an array is no start value, as at a structure.
+/// `()` at an array is not a start value, as at a structure.
 #[test]
 fn values_that_stay_are_none_in_xml() {
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/data/structure_start_values.stl");

@@ -21,7 +21,7 @@ fn start_values_keep_the_digits_of_an_lreal() {
     }
 }
 
-/// NOP is no element: what stands between it and the first one is before the network.
+/// NOP is not an element: what is between it and the first one is before the network.
 #[test]
 fn assertions_after_nop_stand_before_their_network() {
     let list = "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      NOP   0\n//@ assert M 0.0 == 0\n      SET\n      =     M 0.0\n\

@@ -24,7 +24,7 @@ fn is_denied(attributes: &[(String, String)], name: &str) -> bool {
     })
 }
 
-/// What clients may do with a variable. Whether a panel lists it (ExternalVisible) is no matter of the CPU.
+/// What clients may do with a variable. Whether a panel lists it (ExternalVisible) does not concern the CPU.
 pub fn external(variable: &ast::Variable) -> External {
     match () {
         () if is_denied(&variable.attributes, "ExternalAccessible") => External::Hidden,
