@@ -103,17 +103,7 @@ impl<'a> Classifier<'a, '_> {
                     && self.kind_at(after) == Some(RawKind::Colon) =>
             {
                 let meant = suggest::label(label);
-                let end = token.start as usize + label.len();
-                self.report(
-                    Diagnostic::new(
-                        Code::Syntax,
-                        self.span_of(token.start as usize, end),
-                        format!("`{label}` is not a label"),
-                    )
-                    .label("a label has letters, digits and `_`")
-                    .help(format!("write another label, such as `{meant}:`, here and in the jumps to it")),
-                );
-                self.end_of_label();
+                self.wrong_label(token, label, "a label has letters, digits and `_`", &meant);
                 self.take_up_to(Tok::Label(label), after + 1);
             }
             RawKind::Word | RawKind::Quoted if let Some((target, help)) = self.assignment(index) => {
@@ -190,17 +180,7 @@ impl<'a> Classifier<'a, '_> {
                 self.bad_statement();
             }
             _ if let Some((label, after)) = self.label_with_digit(index) => {
-                let end = token.start as usize + label.len();
-                self.report(
-                    Diagnostic::new(
-                        Code::Syntax,
-                        self.span_of(token.start as usize, end),
-                        format!("`{label}` is not a label"),
-                    )
-                    .label("a label begins with a letter")
-                    .help(format!("write another label, such as `m{label}:`, here and in the jumps to it")),
-                );
-                self.end_of_label();
+                self.wrong_label(token, label, "a label begins with a letter", &format!("m{label}"));
                 self.take_up_to(Tok::Label(label), after);
             }
             _ => {
@@ -315,6 +295,18 @@ impl<'a> Classifier<'a, '_> {
             None if is_number && !is_calculated => format!("write {numbers}"),
             None => format!("write {bits} for bits, {numbers} for numbers"),
         }
+    }
+
+    /// Reports a name before `:` that is not a label; `token`: where it begins.
+    fn wrong_label(&mut self, token: RawToken, name: &str, rule: &str, meant: &str) {
+        let start = token.start as usize;
+        let span = self.span_of(start, start + name.len());
+        self.report(
+            Diagnostic::new(Code::Syntax, span, format!("`{name}` is not a label"))
+                .label(rule)
+                .help(format!("write another label, such as `{meant}:`, here and in the jumps to it")),
+        );
+        self.end_of_label();
     }
 
     /// `lab-1`, `lab.1`, `lab 1` at `index`, with the index after it.
