@@ -54,7 +54,8 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
             Look::Box { title: "CTUD".to_string(), detail: "Int".to_string(), instance }
         }
     };
-    Part { look, meaning: Meaning::Other, pins, flow_in: Some(0), flow_out, place: None, statement: None }
+    let meaning = if matches!(look, Look::Coil { .. }) { Meaning::Through } else { Meaning::Other };
+    Part { look, meaning, pins, flow_in: Some(0), flow_out, place: None, statement: None }
 }
 
 /// Fills in the sources of nets.

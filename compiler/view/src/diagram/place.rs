@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use crate::metrics;
 use crate::scene::Ink;
 use crate::shape::{self, Shape};
-use crate::sheet::{Label, Link, Look, Sheet, Source};
+use crate::sheet::{Label, Link, Look, Meaning, Sheet, Source};
 
 /// Between things of a column.
 const GAP: i32 = 10;
@@ -184,7 +184,7 @@ fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
     let mut columns: Vec<usize> = depth.iter().map(|depth| deepest - depth.unwrap_or(0)).collect();
     for &at in drawn {
         let part = &sheet.parts[at];
-        let Some(net) = part.net(part.flow_in).filter(|_| matches!(part.look, Look::Coil { .. })) else { continue };
+        let Some(net) = part.net(part.flow_in).filter(|_| part.meaning == Meaning::Through) else { continue };
         let ends = part.net(part.flow_out).is_none();
         let leads_on = readers[net].iter().any(|other| columns[*other] < columns[at]);
         let feeders = sheet.nets[net].sources.iter().map(|source| match source {
