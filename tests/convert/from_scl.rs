@@ -129,20 +129,22 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 8] = [
+    const SOURCES: [&str; 9] = [
         "language/case_of_small_and_unsigned_tia",
         "language/dtl_constants_tia",
         "language/output_to_a_peripheral_tia",
+        "language/parts_in_memory_tia",
         "language/parts_of_variables_tia",
         "language/small_and_unsigned_tia",
         "language/text_assignments_tia",
         "language/text_functions_tia",
         "library/instances_as_lists_tia",
     ];
-    for name in SOURCES {
+    const FOR_S7_300: [&str; 1] = ["language/parts_in_memory_tia"];
+    let all = SOURCES.map(|name| (name, "s7-1500")).into_iter().chain(FOR_S7_300.map(|name| (name, "s7-300")));
+    for (name, cpu) in all {
         let path = tests_folder().join(format!("run/scl/{name}.scl"));
-        let made =
-            run_as_stl(&path, "s7-1500").expect("a source that runs").unwrap_or_else(|text| panic!("{name}: {text}"));
+        let made = run_as_stl(&path, cpu).expect("a source that runs").unwrap_or_else(|text| panic!("{name}: {text}"));
         assert!(made.blocks > 0 && made.refused.is_empty(), "{name}: {:?}", made.refused);
     }
 }

@@ -73,12 +73,12 @@ impl Maker<'_> {
 
     /// Leaves the pointer to an access in ACCU1.
     fn address(&mut self, access: &Access) -> Option<Through> {
-        if access.part.is_some() {
-            self.refuse(access.span, "a part of a variable", "copy it with AND and a shift");
-            return None;
-        }
         match &access.base {
             Base::Place(place) => self.element(access, place),
+            Base::Indexed { .. } if access.part.is_some() => {
+                self.refuse(access.span, "a part of a variable", "copy it with AND and a shift");
+                None
+            }
             Base::Indexed { area, byte, bit } => self.indexed(area, byte, bit.as_deref(), access.span),
         }
     }
@@ -147,13 +147,15 @@ impl Maker<'_> {
         Operand { kind, span: self.span }
     }
 
-    /// An element of an array, or a component of one, or a view of other variables.
+    /// An element of an array, or a component of one, or a view of other variables, or a part of one of these.
     fn element(&mut self, access: &Access, place: &Place) -> Option<Through> {
-        if !matches!(place, Place::Instance { .. }) {
+        let has_indices = !access.indices.is_empty();
+        if has_indices && !matches!(place, Place::Instance { .. }) {
             self.warn_of_indices(access.span);
         }
         let interface = &self.block.interface;
-        let bits = |byte: u32, bit: u8| i64::from(byte) * 8 + i64::from(bit);
+        let in_variable = access.part.map_or(0, |part| super::place::distance_of_part(&access.ty, part));
+        let bits = |byte: u32, bit: u8| i64::from(byte) * 8 + i64::from(bit) + i64::from(in_variable);
         let lowest = self.distances(&access.indices, access.span)?;
         match place {
             Place::I { byte, bit } => self.memory(PlaceArea::I, bits(*byte, *bit) - lowest),
@@ -167,20 +169,22 @@ impl Maker<'_> {
                 let kind = OperandKind::Block(self.db_name(*number, access.span));
                 Some(Through { area: Some(PlaceArea::Db), open: Some(Operand { kind, span: self.span }) })
             }
+            Place::L { byte, .. } if self.is_hidden(*byte) => self.no_address(access.span),
             Place::L { byte, bit } => {
                 let found = interface.temporaries.iter().rfind(|one| one.byte <= *byte);
-                let root = found.map(|one| (one.name.clone(), bits(one.byte, one.bit)));
+                let root = found.map(|one| (one.name.clone(), place_bits(one.byte, one.bit)));
                 let Some((name, start)) = root else { return self.no_address(access.span) };
                 self.load_address_of(&name);
-                self.push(StlInsn::AddD, None);
+                if has_indices {
+                    self.push(StlInsn::AddD, None);
+                }
                 self.add_constant(bits(*byte, *bit) - start - lowest);
                 Some(Through { area: None, open: None })
             }
             Place::Instance { byte, bit } => {
                 let found = interface.instance.iter().rfind(|one| one.byte <= *byte);
-                let root = found.map(|one| (one.name.clone(), bits(one.byte, one.bit)));
+                let root = found.map(|one| (one.name.clone(), place_bits(one.byte, one.bit)));
                 let Some((name, start)) = root else { return self.no_address(access.span) };
-                let has_indices = !access.indices.is_empty();
                 if has_indices && !self.is_chart_data(&name) {
                     self.warn_of_indices(access.span);
                 }
@@ -192,12 +196,23 @@ impl Maker<'_> {
                 self.add_ar2();
                 Some(Through { area: None, open: None })
             }
+            // The copy of an input.
+            Place::Parameter { parameter, byte, bit } if !has_indices && self.copies.contains_key(parameter) => {
+                let copy = self.copies.get(parameter).cloned();
+                let Some(Operand { kind: OperandKind::Path(path), .. }) = copy else {
+                    return self.no_address(access.span);
+                };
+                self.push(StlInsn::Load, Some(Operand { kind: OperandKind::AddressOf(path), span: self.span }));
+                self.add_constant(bits(*byte, *bit));
+                Some(Through { area: None, open: None })
+            }
             Place::Parameter { parameter, byte, bit } => {
                 let formal = &interface.parameters[*parameter];
                 if !matches!(formal.passing, Passing::Complex { .. }) {
                     return self.no_address(access.span);
                 }
                 let name = formal.name.clone();
+                self.begin_sum(has_indices);
                 let stored = self.keep_distance(bits(*byte, *bit) - lowest);
                 self.load_address_of(&name);
                 Some(self.through_pointer(&stored))
@@ -206,6 +221,7 @@ impl Maker<'_> {
                 let formal =
                     interface.parameters.iter().find(|one| one.byte == *pointer && one.direction == Direction::InOut);
                 let Some(name) = formal.map(|one| one.name.clone()) else { return self.no_address(access.span) };
+                self.begin_sum(has_indices);
                 let stored = self.keep_distance(bits(*byte, *bit) - lowest);
                 self.load_address_of(&name);
                 self.add_ar2();
@@ -227,6 +243,13 @@ impl Maker<'_> {
     fn memory(&mut self, area: PlaceArea, bits: i64) -> Option<Through> {
         self.add_pointer(bits);
         Some(Through { area: Some(area), open: None })
+    }
+
+    /// ACCU1 is what the indices make of the distance to the beginning of the data: without indices nothing.
+    fn begin_sum(&mut self, has_indices: bool) {
+        if !has_indices {
+            self.push(StlInsn::Load, Some(self.dint(0)));
+        }
     }
 
     /// ACCU1 and the distance to the beginning of the data, as a variable.
@@ -396,4 +419,9 @@ impl Maker<'_> {
             ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_) | ExprKind::Bound { .. } => false,
         }
     }
+}
+
+/// A place in bits.
+fn place_bits(byte: u32, bit: u8) -> i64 {
+    i64::from(byte) * 8 + i64::from(bit)
 }

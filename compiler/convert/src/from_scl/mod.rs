@@ -282,7 +282,10 @@ impl<'a> Maker<'a> {
                 continue;
             };
             match parameter.direction {
-                Direction::Input if uses.copies_inputs && uses.read.contains(&index) => {
+                Direction::Input
+                    if uses.copies_inputs && uses.read.contains(&index)
+                        || uses.parts.contains(&index) && !self.has_parts() =>
+                {
                     let copy = self.kept(*ty, &parameter.name);
                     let own = self.parameter(index);
                     self.load_and_store(*ty, own, copy.clone());
@@ -361,6 +364,8 @@ struct Uses {
     copies_inputs: bool,
     /// Parameters that are read.
     read: Vec<usize>,
+    /// Parameters of which a part is used.
+    parts: Vec<usize>,
     /// The result is only assigned, by the last statement.
     sets_result_last: bool,
     flag: bool,
@@ -384,6 +389,7 @@ impl Uses {
         Uses {
             copies_inputs: seen.calls || (others > 0 && !(others == 1 && last_is_other)),
             read: seen.accesses.iter().map(|(parameter, _)| *parameter).collect(),
+            parts: seen.parts,
             sets_result_last,
             flag: seen.flag,
             last_eno: seen.last_eno,
@@ -400,6 +406,8 @@ fn is_outside(target: &Access) -> bool {
 struct Seen {
     /// Parameters, as often as they are used.
     accesses: Vec<(usize, Role)>,
+    /// Those of which a part is used.
+    parts: Vec<usize>,
     /// Assignments to something that is not in the frame, with the parameter if it is one.
     writes: Vec<Option<usize>>,
     calls: bool,
@@ -441,6 +449,7 @@ impl Visitor for Seen {
     fn access(&mut self, access: &Access, role: Role) {
         if let Base::Place(Place::Parameter { parameter, .. }) = access.base {
             self.accesses.push((parameter, role));
+            self.parts.extend(access.part.map(|_| parameter));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use plcc_abi::image::Family;
 use plcc_diag::Span;
-use plcc_model::scl::{Access, Base};
+use plcc_model::scl::{Access, Base, Part};
 use plcc_model::types::{DataType, Elementary, Member};
 use plcc_model::{self as model, Direction, Number, Passing, Place, PlaceArea, layout};
 use plcc_syntax::ast::{
@@ -21,13 +21,20 @@ pub struct Named {
 impl Maker<'_> {
     /// Reads and writes of it need no address register.
     pub fn is_direct(&self, access: &Access) -> bool {
-        let has_part = access.part.is_none() || self.has_parts();
-        access.indices.is_empty() && has_part && matches!(access.base, Base::Place(_)) && !self.is_view(access)
+        let is_place = access.indices.is_empty() && matches!(access.base, Base::Place(_));
+        is_place && self.has_direct_part(access) && !self.is_view(access)
     }
 
     /// Parts of variables are operands: `#w.%X3`.
-    fn has_parts(&self) -> bool {
+    pub fn has_parts(&self) -> bool {
         self.program.profile.family == Family::S71500
+    }
+
+    /// The part of the access, if there is one, has a name or an address of its own.
+    fn has_direct_part(&self, access: &Access) -> bool {
+        let Some(part) = access.part else { return true };
+        let has_address = matches!(&access.base, Base::Place(place) if has_address(place));
+        self.has_parts() || has_address || is_whole(&access.ty, part)
     }
 
     /// A value in the instance where no name has its width: a view of other variables, bits as a whole byte.
@@ -46,7 +53,7 @@ impl Maker<'_> {
         let Base::Place(place) = &access.base else { return self.unnamed(span) };
         let Some(part) = access.part else { return self.place(place, &access.ty, span) };
         // STL has no name for all of a variable as its part.
-        if matches!(access.ty, DataType::Elementary(ty) if layout::width(ty) == part.width) {
+        if is_whole(&access.ty, part) {
             return self.place(place, &access.ty, span).map(|named| Named { exact: false, ..named });
         }
         if self.has_parts()
@@ -62,8 +69,12 @@ impl Maker<'_> {
             path.parts.push(PathPart::Member { name: format!("%{letter}{}", part.index), span });
             return Some(Named { operand: Operand { kind: OperandKind::Path(path), span }, exact: true });
         }
-        self.refuse(span, "a part of a variable", "copy it with AND and a shift");
-        None
+        let found = access.elementary().zip(place_of_part(place, distance_of_part(&access.ty, part)));
+        let Some((ty, place)) = found else {
+            self.refuse(span, "a part of a variable", "copy it with AND and a shift");
+            return None;
+        };
+        self.place(&place, &DataType::Elementary(ty), span)
     }
 
     fn unnamed(&mut self, span: Span) -> Option<Named> {
@@ -85,13 +96,10 @@ impl Maker<'_> {
             Place::M { byte, bit } => self.global(absolute(PlaceArea::M, *byte, *bit), ty, span),
             Place::Pi { byte, bit } if width != Width::Bit => exact(absolute(PlaceArea::Pi, *byte, *bit)),
             Place::Pq { byte, bit } if width != Width::Bit => exact(absolute(PlaceArea::Pq, *byte, *bit)),
-            Place::L { byte, bit } => {
-                let declared = interface.temporaries.iter().map(|one| one.byte + layout::bytes(&one.ty)).max();
-                match (ty, declared.is_none_or(|end| *byte >= end)) {
-                    (DataType::Elementary(ty), true) => self.hidden(*byte * 8 + u32::from(*bit), *ty, span),
-                    _ => self.in_members(&interface.temporaries, (*byte, *bit), ty, span),
-                }
-            }
+            Place::L { byte, bit } => match (ty, self.is_hidden(*byte)) {
+                (DataType::Elementary(ty), true) => self.hidden(*byte * 8 + u32::from(*bit), *ty, span),
+                _ => self.in_members(&interface.temporaries, (*byte, *bit), ty, span),
+            },
             Place::Instance { byte, bit } => self.in_members(&interface.instance, (*byte, *bit), ty, span),
             Place::Parameter { parameter, byte, bit } => {
                 let formal = &interface.parameters[*parameter];
@@ -161,6 +169,12 @@ impl Maker<'_> {
     fn own_copy(&self, parameter: usize) -> Option<Operand> {
         let is_result = self.block.interface.parameters[parameter].name == "RET_VAL";
         self.copies.get(&parameter).or(self.result.as_ref().filter(|_| is_result)).cloned()
+    }
+
+    /// No source declares the variable at this byte of the frame.
+    pub fn is_hidden(&self, byte: u32) -> bool {
+        let declared = self.block.interface.temporaries.iter().map(|one| one.byte + layout::bytes(&one.ty)).max();
+        declared.is_none_or(|end| byte >= end)
     }
 
     /// A variable that no source declares.
@@ -279,6 +293,39 @@ impl Maker<'_> {
             None => self.unnamed(span).map(|named| named.operand),
         }
     }
+}
+
+/// The part is all of a variable of the type.
+fn is_whole(ty: &DataType, part: Part) -> bool {
+    matches!(ty, DataType::Elementary(ty) if layout::width(*ty) == part.width)
+}
+
+/// From the beginning of a variable to its part, in bits: the lowest byte is the last one.
+pub fn distance_of_part(ty: &DataType, part: Part) -> u32 {
+    let bytes = layout::bytes(ty);
+    let index = u32::from(part.index);
+    let own = match part.width {
+        Width::Bit => return bytes.saturating_sub(1 + index / 8) * 8 + index % 8,
+        Width::Byte => 1,
+        Width::Word => 2,
+        Width::Dword => 4,
+        Width::Lword => 8,
+    };
+    bytes.saturating_sub((index + 1) * own) * 8
+}
+
+/// A bit of it can be named: `M 1.3`.
+fn has_address(place: &Place) -> bool {
+    matches!(place, Place::I { .. } | Place::Q { .. } | Place::M { .. } | Place::Db { .. })
+}
+
+/// The place so many bits after the beginning of a variable.
+fn place_of_part(place: &Place, distance: u32) -> Option<Place> {
+    let mut own = Some(place.clone()).filter(has_address)?;
+    let (byte, bit) = own.position_mut()?;
+    *byte += distance / 8;
+    *bit = (distance % 8) as u8;
+    Some(own)
 }
 
 /// What is looked for.
