@@ -129,9 +129,10 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 9] = [
+    const SOURCES: [&str; 10] = [
         "language/case_of_small_and_unsigned_tia",
         "language/dtl_constants_tia",
+        "language/instructions_as_lists_tia",
         "language/output_to_a_peripheral_tia",
         "language/parts_in_memory_tia",
         "language/parts_of_variables_tia",

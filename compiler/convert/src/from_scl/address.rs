@@ -409,6 +409,7 @@ impl Maker<'_> {
     /// Whether an expression leaves AR1 alone.
     pub fn keeps_ar1(&self, value: &Expr) -> bool {
         match &value.kind {
+            _ if super::instruction::is_called(value) => false,
             ExprKind::Const(_) | ExprKind::Flag | ExprKind::LastEno | ExprKind::Cell { .. } => true,
             ExprKind::Load(access) => self.is_direct(access),
             ExprKind::Unary { operand, .. } | ExprKind::Convert { operand, .. } => self.keeps_ar1(operand),

@@ -402,7 +402,7 @@ impl Maker<'_> {
     }
 
     /// An integer that has the type of the formal parameter.
-    fn whole_number(&self, ty: Elementary, bits: u64) -> Operand {
+    pub fn whole_number(&self, ty: Elementary, bits: u64) -> Operand {
         let above = 64 - ty.bits();
         let number = match ty.is_signed() {
             true => (bits << above).cast_signed() >> above,

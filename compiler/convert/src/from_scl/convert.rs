@@ -7,13 +7,13 @@ use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 
-/// The conversion takes a jump, or a BOOL.
-pub fn jumps(conversion: Conversion, from: Elementary, to: Elementary) -> bool {
-    match conversion {
+/// The conversion takes a jump or a call, or a BOOL.
+pub fn jumps(conversion: Conversion, operand: &Expr, to: Elementary) -> bool {
+    let jumps = match conversion {
         Conversion::Value(_) | Conversion::Truncate(_) | Conversion::Ceil(_) | Conversion::Floor(_) => {
-            from == Elementary::Real && to == Elementary::Int
+            operand.ty == Elementary::Real && to == Elementary::Int
         }
-        Conversion::Bits { .. } => from == Elementary::Bool,
+        Conversion::Bits { .. } => operand.ty == Elementary::Bool,
         Conversion::ToBool
         | Conversion::FromBcd { .. }
         | Conversion::ToBcd
@@ -22,6 +22,38 @@ pub fn jumps(conversion: Conversion, from: Elementary, to: Elementary) -> bool {
         | Conversion::MillisToNanos
         | Conversion::NanosToMillis
         | Conversion::Ranged { .. } => false,
+    };
+    jumps || is_called(conversion, operand, to)
+}
+
+/// An instruction is called for the conversion where the CPU has that.
+pub fn is_called(conversion: Conversion, operand: &Expr, to: Elementary) -> bool {
+    let is_known = matches!(operand.kind, ExprKind::Const(bits) if constant_time(conversion, bits).is_some());
+    !is_known && instruction_of(conversion, operand.ty, to).is_some()
+}
+
+/// The instruction that does what no instruction without types does.
+fn instruction_of(conversion: Conversion, from: Elementary, to: Elementary) -> Option<&'static str> {
+    use Elementary::{Real, Udint};
+    let (name, overflow) = match conversion {
+        Conversion::Value(overflow) => ("ROUND", overflow),
+        Conversion::Truncate(overflow) => ("TRUNC", overflow),
+        Conversion::Ceil(overflow) => ("CEIL", overflow),
+        Conversion::Floor(overflow) => ("FLOOR", overflow),
+        Conversion::FromS5Time | Conversion::ToS5Time => return Some("T_CONV"),
+        Conversion::Bits { .. }
+        | Conversion::ToBool
+        | Conversion::FromBcd { .. }
+        | Conversion::ToBcd
+        | Conversion::MillisToNanos
+        | Conversion::NanosToMillis
+        | Conversion::Ranged { .. } => return None,
+    };
+    match (from, to) {
+        (Udint, Real) => Some("CONVERT"),
+        (Real, Real) => Some(name),
+        (Real, _) => (overflow == Overflow::LowBits).then_some(name),
+        _ => None,
     }
 }
 
@@ -71,12 +103,23 @@ impl Maker<'_> {
             let constant = self.constant(value.ty, bits);
             return self.push(StlInsn::Load, Some(constant));
         }
+        let types = [("src", operand.ty), ("dest", value.ty)];
+        if let Some(name) = instruction_of(conversion, operand.ty, value.ty)
+            && self.instruction(name, &types, &[("IN", operand)], value)
+        {
+            return;
+        }
         self.number(operand);
         self.convert_loaded(conversion, operand.ty, value.ty, value.span);
     }
 
     /// Converts the value in ACCU1, which is not a BOOL.
     pub fn convert_loaded(&mut self, conversion: Conversion, from: Elementary, to: Elementary, span: Span) {
+        if let Some(name) = instruction_of(conversion, from, to)
+            && self.convert_by_instruction(name, from, to)
+        {
+            return;
+        }
         match conversion {
             Conversion::Value(overflow) => self.by_value(StlInsn::Round, overflow, (from, to), span),
             Conversion::Truncate(overflow) => self.by_value(StlInsn::Truncate, overflow, (from, to), span),
@@ -130,7 +173,7 @@ impl Maker<'_> {
             (Real, Int) if overflow == Overflow::Pattern => self.round_to_int(rounding),
             (Real, _) | (_, Real) => {
                 let what = format!("the conversion of {} to {}", from.name(), to.name());
-                self.refuse(span, what, "convert it for an S7-300, which leaves the same for a value out of range");
+                self.refuse(span, what, "name a CPU with an instruction for it: `--cpu s7-1500`");
             }
             (from, to) => self.resize(from, to),
         }

@@ -6,9 +6,7 @@ use plcc_abi::image::{BlockKind, Family};
 use plcc_model::scl::{Access, Actual, Call, Complex, Statement};
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, CodeBlock};
-use plcc_syntax::ast::{
-    self, AddressRegister, BlockName, BlockPrefix, CallType, Operand, OperandKind, Path, PathRoot, Width,
-};
+use plcc_syntax::ast::{self, AddressRegister, BlockName, BlockPrefix, CallType, Operand, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
@@ -60,7 +58,7 @@ impl TextInstruction {
 impl Maker<'_> {
     /// The instruction that a call of a block of the library becomes.
     pub fn text_instruction(&self, callee: &CodeBlock) -> Option<TextInstruction> {
-        if !callee.library || self.program.profile.family != Family::S71500 {
+        if !callee.library {
             return None;
         }
         let found = match callee.kind {
@@ -76,16 +74,12 @@ impl Maker<'_> {
                 return None;
             }
         };
-        let is_own = |name: &str| name.eq_ignore_ascii_case(found.name);
-        let is_taken = self.program.symbols.iter().any(|symbol| is_own(&symbol.name))
-            || self.program.blocks.iter().any(|block| !block.library && is_own(&block.name));
-        (!is_taken).then_some(found)
+        self.has_instruction(found.name).then_some(found)
     }
 
     /// An instruction as the target of a call.
     pub fn called(&self, instruction: TextInstruction) -> Operand {
-        let root = PathRoot::Quoted { name: instruction.name.to_string(), span: self.span };
-        Operand { kind: OperandKind::Path(Path { root, parts: Vec::new(), span: self.span }), span: self.span }
+        self.named_block(instruction.name)
     }
 
     /// A constant text; only STL of an S7-1500 has these as actual parameters.

@@ -260,8 +260,15 @@ impl Maker<'_> {
     fn least_or_most(&mut self, op: BinaryOp, left: &Expr, right: &Expr, value: &Expr) {
         let order = if op == BinaryOp::Min { CompareOp::LessEqual } else { CompareOp::GreaterEqual };
         let insn = match super::logic::comparison(order, value.ty) {
-            Some(insn) if value.ty != Elementary::Real => insn,
-            _ => return self.no_operator(value),
+            Some(insn) if has_order(value.ty) => insn,
+            _ => {
+                let name = if op == BinaryOp::Min { "MIN" } else { "MAX" };
+                let inputs = [("IN1", left), ("IN2", right)];
+                if !self.instruction(name, &[("value", value.ty)], &inputs, value) {
+                    self.no_operator(value);
+                }
+                return;
+            }
         };
         self.number(left);
         let chosen = self.keep(value.ty);
@@ -305,6 +312,9 @@ impl Maker<'_> {
             | Function::Decode
             | Function::BitSum
             | Function::IsValid => {
+                if self.function_as_instruction(function, arguments, value) {
+                    return;
+                }
                 let name = self.positions.text(value.span).split('(').next().unwrap_or_default().trim().to_string();
                 return self.refuse(value.span, format!("the function `{name}`"), "compute it in steps");
             }
@@ -327,8 +337,13 @@ impl Maker<'_> {
 
     /// `(MN, IN, MX)`: without order of the limits, IN.
     fn limit(&mut self, arguments: &[Expr], value: &Expr) {
-        let at_most = super::logic::comparison(CompareOp::LessEqual, value.ty);
-        let Some(at_most) = at_most.filter(|_| value.ty != Elementary::Real) else { return self.no_operator(value) };
+        let at_most = super::logic::comparison(CompareOp::LessEqual, value.ty).filter(|_| has_order(value.ty));
+        let Some(at_most) = at_most else {
+            if !self.function_as_instruction(Function::Limit, arguments, value) {
+                self.no_operator(value);
+            }
+            return;
+        };
         let kept = self.all_kept(arguments);
         let [least, input, most] = &kept[..] else { return self.no_operator(value) };
         let end = self.new_label();
@@ -366,6 +381,11 @@ impl Maker<'_> {
     }
 }
 
+/// Two values of the type are always in an order, which an instruction of STL finds.
+pub fn has_order(ty: Elementary) -> bool {
+    ty != Elementary::Real && super::logic::comparison(CompareOp::LessEqual, ty).is_some()
+}
+
 /// It can be evaluated inside of nested logic, and before or after another value: without jumps, calls and bits of its own.
 pub fn is_plain(value: &Expr) -> bool {
     match &value.kind {
@@ -398,10 +418,11 @@ pub fn is_plain(value: &Expr) -> bool {
         }
         ExprKind::Compare { left, right, .. } => is_plain(left) && is_plain(right),
         ExprKind::Convert { conversion, operand } => {
-            is_plain(operand) && !super::convert::jumps(*conversion, operand.ty, value.ty)
+            is_plain(operand) && !super::convert::jumps(*conversion, operand, value.ty)
         }
         ExprKind::Function { function, arguments } => {
-            !matches!(function, Function::Limit | Function::Select) && arguments.iter().all(is_plain)
+            let jumps = matches!(function, Function::Limit | Function::Select);
+            !jumps && !super::instruction::is_called(value) && arguments.iter().all(is_plain)
         }
         ExprKind::Cell { .. } | ExprKind::Flag | ExprKind::LastEno => true,
         ExprKind::Call(_) | ExprKind::Timer(_) | ExprKind::Counter(_) | ExprKind::Bound { .. } => false,
