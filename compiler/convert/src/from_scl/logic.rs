@@ -1,6 +1,6 @@
 //! BOOLs in the RLO: nested logic, or step by step where a part takes a jump or a call.
 
-use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, UnaryOp};
+use plcc_model::scl::{BinaryOp, CompareOp, Conversion, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::Elementary;
 use plcc_syntax::ast::{Operand, OperandKind, StatusOperand};
 use plcc_syntax::stl::StlInsn;
@@ -94,6 +94,11 @@ impl Maker<'_> {
                 }
             }
             ExprKind::Convert { conversion: Conversion::ToBool, operand } => self.lowest_bit(operand),
+            ExprKind::Function { function: Function::Select, arguments } => self.select(arguments, value),
+            ExprKind::Function { function: Function::Mux { has_else }, arguments } => {
+                self.multiplex(*has_else, arguments, value);
+            }
+            ExprKind::Function { function: Function::IsValid, arguments } => self.is_finite(arguments, value),
             ExprKind::Load(access) => {
                 if let Some(target) = self.target(access, true) {
                     let operand = self.reach(&target, Elementary::Bool);
@@ -173,6 +178,7 @@ impl Maker<'_> {
             | ExprKind::Cell { .. }
             | ExprKind::Flag
             | ExprKind::LastEno => self.term(value, Join::And, false),
+            ExprKind::Function { function: Function::IsValid, arguments } => self.is_finite(arguments, value),
             ExprKind::Unary { .. }
             | ExprKind::Convert { .. }
             | ExprKind::Call(_)
@@ -230,6 +236,16 @@ impl Maker<'_> {
         };
         self.pair(left, right, !is_order, is_order);
         self.push(insn, None);
+    }
+
+    /// `IS_VALID`: the exponent of a REAL that is infinite or not a number is all ones.
+    fn is_finite(&mut self, arguments: &[Expr], value: &Expr) {
+        const EXPONENT: u32 = 0x7F80_0000;
+        let [real] = arguments else { return self.no_condition(value) };
+        self.number(real);
+        self.dword_constant(StlInsn::AndD, EXPONENT);
+        self.dword_constant(StlInsn::Load, EXPONENT);
+        self.push(StlInsn::CompareNeD, None);
     }
 
     /// `INT_TO_BOOL` and the like.

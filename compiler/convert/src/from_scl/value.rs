@@ -299,12 +299,12 @@ impl Maker<'_> {
             Function::Atan => StlInsn::AtanR,
             Function::Limit => return self.limit(arguments, value),
             Function::Select => return self.select(arguments, value),
+            Function::Mux { has_else } => return self.multiplex(has_else, arguments, value),
             Function::Swap if value.ty == Elementary::Word => StlInsn::SwapBytesWord,
             Function::Swap if value.ty == Elementary::Dword => StlInsn::SwapBytesDword,
             Function::Expd
             | Function::Log
             | Function::Frac
-            | Function::Mux { .. }
             | Function::Swap
             | Function::NormX
             | Function::ScaleX
@@ -324,7 +324,7 @@ impl Maker<'_> {
     }
 
     /// All arguments, each in a variable.
-    fn all_kept(&mut self, arguments: &[Expr]) -> Vec<Operand> {
+    pub fn all_kept(&mut self, arguments: &[Expr]) -> Vec<Operand> {
         let keep_one = |maker: &mut Self, argument: &Expr| {
             match argument.ty {
                 Elementary::Bool => maker.condition(argument),
@@ -365,19 +365,6 @@ impl Maker<'_> {
         choose(input, most, most);
         self.label(&end, self.span.start);
         self.push(StlInsn::Load, Some(input.clone()));
-    }
-
-    /// `(G, IN0, IN1)`.
-    fn select(&mut self, arguments: &[Expr], value: &Expr) {
-        let kept = self.all_kept(arguments);
-        let [choice, first, second] = &kept[..] else { return self.no_operator(value) };
-        let label = self.new_label();
-        self.push(StlInsn::AndNot, Some(choice.clone()));
-        self.jump(StlInsn::JumpIf, &label);
-        self.push(StlInsn::Load, Some(second.clone()));
-        self.push(StlInsn::Transfer, Some(first.clone()));
-        self.label(&label, self.span.start);
-        self.push(StlInsn::Load, Some(first.clone()));
     }
 }
 
@@ -421,7 +408,7 @@ pub fn is_plain(value: &Expr) -> bool {
             is_plain(operand) && !super::convert::jumps(*conversion, operand, value.ty)
         }
         ExprKind::Function { function, arguments } => {
-            let jumps = matches!(function, Function::Limit | Function::Select);
+            let jumps = matches!(function, Function::Limit | Function::Select | Function::Mux { .. });
             !jumps && !super::instruction::is_called(value) && arguments.iter().all(is_plain)
         }
         ExprKind::Cell { .. } | ExprKind::Flag | ExprKind::LastEno => true,
