@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, Span};
 
-use super::Insn;
 use super::ast::{Declaration, Operand, Section};
 use super::line::{Line, LineKind};
 use super::token::{Spanned, Tok};
+use super::{Insn, meant};
 use crate::front::{ParseState, Place};
 use crate::stl::Mnemonics;
 
@@ -80,6 +80,11 @@ fn slip(state: &State, insn: Insn, range: Range<usize>, before: Option<&Spanned>
     let told = |range: Range<usize>, title: &str, help: String| {
         Some(Diagnostic::new(Code::ForeignForm, state.span(range), title).label("a form of other languages").help(help))
     };
+    if let (Insn::Load | Insn::And | Insn::Or, Some((start, Tok::Direct(_), _))) = (insn, before)
+        && let Some(written) = meant::comparison(&mnemonic, without_comment(&state.text[*start..line]))
+    {
+        return told(range, "a comparison is a part of the mnemonic", format!("write `{written}`"));
+    }
     if let (">" | "<", Some(stem)) = (text, mnemonic.strip_suffix('=')) {
         let title = if text == ">" { "greater or equal is `>=`" } else { "less or equal is `<=`" };
         return told(range, title, format!("write `{stem}{text}=`"));
@@ -97,6 +102,10 @@ fn slip(state: &State, insn: Insn, range: Range<usize>, before: Option<&Spanned>
         return told(*start..line, "a comment begins with `//`", format!("write `// {comment}`"));
     }
     None
+}
+
+fn without_comment(line: &str) -> &str {
+    line.split_once("//").map_or(line, |(code, _)| code)
 }
 
 /// How many operands a statement has, as help.

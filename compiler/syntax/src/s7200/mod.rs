@@ -13,6 +13,7 @@ mod classify;
 mod constant;
 mod instructions;
 mod line;
+mod meant;
 mod messages;
 mod mnemonics;
 mod outline;

@@ -3,6 +3,7 @@
 use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{address, aliases, mnemonics};
+use crate::ast::Width;
 use crate::distance;
 use crate::scl::keyword::is_statement_word;
 use crate::stl::{self, Mnemonics};
@@ -169,10 +170,17 @@ pub fn unknown(span: Span, word: &str, text: &str, alone: bool, set: Mnemonics) 
             .label("the S7-200 has STL only")
             .help("write contacts and coils, as `LD I0.0` and `= Q0.0`; `JMP 1` and `LBL 1` replace IF");
     }
-    if address::parse(word).is_some_and(|address| address.is_ok()) {
+    if let Some(Ok(place)) = address::parse(word) {
+        let statement = match place.width {
+            Some(Width::Bit) => format!("write `= {text}` after the contacts that give its value"),
+            Some(Width::Byte) => format!("`MOVB VB0, {text}` moves a value"),
+            Some(Width::Word) => format!("`MOVW VW0, {text}` moves a value"),
+            Some(Width::Dword | Width::Lword) => format!("`MOVD VD0, {text}` moves a value"),
+            None => "`LD I0.0`, `MOVW VW0, VW2`".to_owned(),
+        };
         return Diagnostic::new(Code::Syntax, span, format!("`{text}` cannot begin a statement"))
             .label("an address")
-            .help(format!("a statement begins with an instruction: write `= {text}` after the contacts that give its value, or move one with MOVW"));
+            .help(format!("a statement begins with an instruction: {statement}"));
     }
     let diagnostic = Diagnostic::new(Code::UnknownInstruction, span, format!("the S7-200 has no instruction `{text}`"));
     if let Some(statement) = aliases::statement_of_box(word) {
@@ -185,6 +193,10 @@ pub fn unknown(span: Span, word: &str, text: &str, alone: bool, set: Mnemonics) 
     }
     if let Some(written) = word_comparison(word) {
         return diagnostic.label("not a mnemonic").help(format!("write `{written}`, which compares words"));
+    }
+    if word.strip_prefix(['B', 'W', 'D', 'R']).is_some_and(is_relation) {
+        let help = format!("write `LD{word}` for the first contact of a path, `A{word}` for the next ones");
+        return diagnostic.label("not a mnemonic").help(help);
     }
     if let Some(at) = glued(word).filter(|_| alone) {
         let (mnemonic, operand) = text.split_at_checked(at).unwrap_or((text, ""));
@@ -212,7 +224,11 @@ fn from_s7_300(span: Span, text: &str) -> Diagnostic {
 fn word_comparison(word: &str) -> Option<String> {
     let (letters, sign) = word.split_at(word.find(['=', '<', '>'])?);
     let load = letters.strip_suffix('I').filter(|load| matches!(*load, "LD" | "A" | "O"))?;
-    matches!(sign, "=" | "<>" | ">" | "<" | ">=" | "<=").then(|| format!("{load}W{sign}"))
+    is_relation(sign).then(|| format!("{load}W{sign}"))
+}
+
+fn is_relation(sign: &str) -> bool {
+    matches!(sign, "=" | "<>" | ">" | "<" | ">=" | "<=")
 }
 
 /// Where the mnemonic ends in `LDI0.0`.

@@ -16,7 +16,7 @@ use super::ast::BlockKind;
 use super::mnemonics::{self, Detected};
 use super::raw::{RawKind, RawToken, block_comment};
 use super::token::Tok;
-use super::{pragma, suggest};
+use super::{meant, pragma, suggest};
 use crate::front::Classified;
 use crate::front::comment::{Comment, CommentForm};
 use crate::front::frame_words;
@@ -280,7 +280,11 @@ impl<'a> Classifier<'a, '_> {
                     rest.first().is_none_or(|next| next.kind == RawKind::Comma),
                     self.detected.set,
                 );
-                self.report(message);
+                let end = code.last().unwrap_or(&first).range().end;
+                self.report(match meant::statement(self.slice(range.start..end)) {
+                    Some(statement) => message.help(format!("write {statement}")),
+                    None => message,
+                });
                 self.push(range, Tok::BadLine);
             }
         }
