@@ -148,7 +148,8 @@ impl Binder<'_> {
         Some(format!("write `{} {}, {}`", self.mnemonic(other), self.written(number.span), self.written(place.span)))
     }
 
-    /// `O` alone, as other controllers join two groups, and `SPA 5`, a jump in German: what to write.
+    /// `S Q0.0` without a number, `SQRT VD0` without a result, `O` alone, as other controllers join two groups, and `SPA 5`, a jump in
+    /// German: what to write.
     fn without_operand(&self, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
         let join = match (insn, operands) {
             (Insn::Or, []) => Insn::OrLoad,
@@ -156,6 +157,18 @@ impl Binder<'_> {
             (Insn::Spa, [label]) => {
                 let label = self.written(label.span);
                 return Some(format!("{}; a jump is `JMP {label}`", self.form(insn)));
+            }
+            (_, [place]) if matches!(place.kind, ast::OperandKind::Direct(_) | ast::OperandKind::Symbol { .. }) => {
+                let (name, place) = (self.mnemonic(insn), self.written(place.span));
+                return match insn {
+                    Insn::Set | Insn::Reset | Insn::SetNow | Insn::ResetNow => {
+                        Some(format!("write `{name} {place}, 1` for one bit"))
+                    }
+                    Insn::Sqrt | Insn::Sin | Insn::Cos | Insn::Tan | Insn::Ln | Insn::Exp => {
+                        Some(format!("write `{name} {place}, {place}`, or another operand for the result"))
+                    }
+                    _ => None,
+                };
             }
             _ => return None,
         };

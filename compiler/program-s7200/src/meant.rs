@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
-use plcc_syntax::s7200::ast::{self, OperandKind, SymbolForm};
+use plcc_syntax::s7200::ast::{self, Area, Constant, OperandKind, SymbolForm};
 use plcc_syntax::s7200::{Compare, CompareKind, Insn, OperandClass};
 use plcc_syntax::stl::Mnemonics;
 
@@ -19,7 +19,7 @@ impl Binder<'_> {
         let (constant, class, ..) = orders.into_iter().find(|(constant, class, place, other)| {
             is_target(*class)
                 && takes_constants(*other)
-                && matches!(self.form_of(locals, constant), Form::Constant)
+                && matches!(self.form_of(locals, constant), Form::Constant | Form::Real)
                 && matches!(self.form_of(locals, place), Form::Place(direct) if may_be(*class, direct))
         })?;
         let (title, label) = match class {
@@ -38,17 +38,23 @@ impl Binder<'_> {
         )
     }
 
-    /// `MOVW VB0, VB1`, `DTI VW0, VD4`, `DIV VW0, VW2`: operands with the widths of another instruction. Each operand that misfits an
-    /// instruction which exists for one width only has a message, too: `TON T37, VB0`.
+    /// `MOVW VB0, VB1`, `DTI VW0, VD4`, `DIV VW0, VW2`: operands with the widths of another instruction, of a conversion also:
+    /// `MOVW VB0, VW2`. Each operand that misfits an instruction which exists for one width only has a message, too: `TON T37, VB0`.
     pub fn other_instruction(&self, locals: &Locals, insn: Insn, operands: &[ast::Operand]) -> Vec<Diagnostic> {
         if operands.len() != insn.operands().len() {
             return Vec::new();
         }
         let forms: Vec<Form> = operands.iter().map(|operand| self.form_of(locals, operand)).collect();
+        // A REAL has other conversions.
+        let is_real = |operand: &ast::Operand| match &operand.kind {
+            OperandKind::Symbol { name, .. } => locals.find(name).is_some_and(|local| local.ty == Type::Real),
+            _ => false,
+        };
+        let conversion: &[Insn] = if operands.iter().any(is_real) { &[] } else { conversion(insn, &forms) };
         let mut misfits = Vec::new();
         for ((operand, form), class) in operands.iter().zip(&forms).zip(insn.operands()) {
             if let (Form::Place(direct), Some(needed)) = (form, width(*class))
-                && has_area(*class, *direct)
+                && (has_area(*class, *direct) || !conversion.is_empty())
                 && !has_width(*class, *direct)
             {
                 misfits.push((operand.span, *direct, *class, needed));
@@ -69,8 +75,21 @@ impl Binder<'_> {
         };
         let others = relatives.into_iter().filter(|other| fits(*other, &forms));
         let mut statements: Vec<String> = others.map(|other| format!("`{} {list}`", self.mnemonic(other))).collect();
+        match (conversion, operands) {
+            ([only], _) => {
+                let why = if insn == Insn::MovD { " for the value" } else { ", which converts the value" };
+                statements.push(format!("`{} {list}`{why}", self.mnemonic(*only)));
+            }
+            ([first, second], [.., target]) => {
+                let target = self.written(target.span);
+                let second = self.mnemonic(*second);
+                statements.push(format!("`{} {list}`, then `{second} {target}, {target}`", self.mnemonic(*first)));
+            }
+            _ => {}
+        }
         if let (Insn::MovD, [first, _], [_, Form::Place(target)]) = (insn, operands, forms.as_slice())
             && first.span == span
+            && direct.area != Area::Ai
             && may_be(OperandClass::DwordOut, *target)
         {
             statements.push(format!("`{} &{list}`, which moves its address", self.mnemonic(insn)));
@@ -84,7 +103,7 @@ impl Binder<'_> {
     fn form_of(&self, locals: &Locals, operand: &ast::Operand) -> Form {
         match &operand.kind {
             OperandKind::Direct(direct) => Form::Place(*direct),
-            OperandKind::Constant(_) => Form::Constant,
+            OperandKind::Constant(constant) => Form::of(constant),
             // In double quotes it may be a text.
             OperandKind::Symbol { form: SymbolForm::Quoted, .. } => Form::Other,
             OperandKind::Symbol { name, form } => {
@@ -93,7 +112,7 @@ impl Binder<'_> {
                 match (local, global.map(|global| &global.target)) {
                     (Some(local), _) if local.ty != Type::String => Form::Place(local.place),
                     (None, Some(OperandKind::Direct(direct))) => Form::Place(*direct),
-                    (None, Some(OperandKind::Constant(_))) => Form::Constant,
+                    (None, Some(OperandKind::Constant(constant))) => Form::of(constant),
                     _ => Form::Other,
                 }
             }
@@ -108,7 +127,15 @@ impl Binder<'_> {
 enum Form {
     Place(ast::Direct),
     Constant,
+    /// A constant with a point or an exponent.
+    Real,
     Other,
+}
+
+impl Form {
+    fn of(constant: &Constant) -> Form {
+        if matches!(constant, Constant::Real(_)) { Form::Real } else { Form::Constant }
+    }
 }
 
 fn is_number(class: OperandClass) -> bool {
@@ -127,8 +154,34 @@ fn fits(insn: Insn, forms: &[Form]) -> bool {
         && forms.iter().zip(classes).all(|(form, class)| match form {
             Form::Place(direct) => may_be(*class, *direct),
             Form::Constant => takes_constants(*class),
+            Form::Real => *class == OperandClass::RealIn,
             Form::Other => false,
         })
+}
+
+/// The conversions that do with these operands what the move `insn` is meant to do.
+fn conversion(insn: Insn, forms: &[Form]) -> &'static [Insn] {
+    let [Form::Place(source), Form::Place(target)] = forms else { return &[] };
+    let width = match source.area {
+        Area::T | Area::C => Some(Width::Word),
+        _ => source.width,
+    };
+    let list: &[Insn] = match (insn, width, target.width) {
+        (Insn::MovR, Some(Width::Word), Some(Width::Dword)) => &[Insn::Itd, Insn::Dtr],
+        (Insn::MovB | Insn::MovW | Insn::MovD, Some(width), Some(target)) => match (width, target) {
+            (Width::Byte, Width::Word) => &[Insn::Bti],
+            (Width::Word, Width::Byte) => &[Insn::Itb],
+            (Width::Word, Width::Dword) => &[Insn::Itd],
+            (Width::Dword, Width::Word) => &[Insn::Dti],
+            _ => &[],
+        },
+        _ => &[],
+    };
+    let classes = |at: usize| list.get(at).map_or::<&[OperandClass], _>(&[], |insn| insn.operands());
+    match (classes(0), classes(list.len().saturating_sub(1))) {
+        ([from, _], [_, to]) if may_be(*from, *source) && may_be(*to, *target) => list,
+        _ => &[],
+    }
 }
 
 /// Instructions that do the same with operands of other widths, and conversions in the other direction.
