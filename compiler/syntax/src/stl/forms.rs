@@ -6,7 +6,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use crate::stl::messages::State;
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{OperandClass, StlInsn, form_help};
+use crate::stl::{Mnemonics, OperandClass, StlInsn, form_help, mnemonics};
 
 /// Whether an operand ends with the token, whatever follows.
 pub fn is_operand_end(token: &Tok) -> bool {
@@ -22,7 +22,7 @@ pub fn is_operand_end(token: &Tok) -> bool {
     )
 }
 
-/// `A NOT #a`
+/// `A NOT #a`, `= NOT #a`
 pub fn negated_operand(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnostic> {
     let (start, _, end) = before?;
     let word = &state.text[*start..*end];
@@ -31,12 +31,22 @@ pub fn negated_operand(state: &State, index: usize, before: Option<&Spanned>) ->
         _ => return None,
     };
     let operand = state.tokens.get(index).filter(|(start, _, end)| start < end)?;
-    if !word.eq_ignore_ascii_case("NOT") || !matches!(insn, "A" | "AN" | "O" | "ON" | "X" | "XN" | "U" | "UN") {
+    let writes = matches!(insn, "=" | "S" | "R");
+    if !word.eq_ignore_ascii_case("NOT")
+        || !writes && !matches!(insn, "A" | "AN" | "O" | "ON" | "X" | "XN" | "U" | "UN")
+    {
         return None;
     }
     let meant = insn.strip_suffix('N').map_or_else(|| format!("{insn}N"), str::to_owned);
     let line = state.text[operand.0..].find(['\n', ';', '/']).map_or(state.text.len(), |length| operand.0 + length);
     let operand = state.text[operand.0..line].trim();
+    if writes {
+        return Some(
+            Diagnostic::new(Code::ForeignForm, state.span(*start..*end), "`NOT` is not allowed before an operand")
+                .label("an instruction without operand")
+                .help(format!("write `NOT` on a line of its own before `{insn} {operand}`")),
+        );
+    }
     Some(
         Diagnostic::new(Code::ForeignForm, state.span(*start..*end), "a negation is a part of the instruction")
             .label("a form of other languages")
@@ -86,6 +96,7 @@ pub fn surplus_operand(state: &State, insn: StlInsn, insn_end: usize, start: usi
     let is_time = |text: &str| matches!(unit(text).as_str(), "S" | "MS" | "M" | "H");
     let help = match lines.as_slice() {
         [] => "remove the comma".to_owned(),
+        [_] if is_statement(written[0], state.rules) => format!("write `{}` on a line of its own", written[0]),
         [_] if let Some(help) = form_help::of_second_operand(state.rules, insn, operand, written[0]) => help,
         [_] if constant(written[0]) && is_time(written[0]) => {
             format!("write `L S5T#{}` on the line before", written[0])
@@ -102,6 +113,13 @@ pub fn surplus_operand(state: &State, insn: StlInsn, insn_end: usize, start: usi
     )
     .label("not read")
     .help(help)
+}
+
+/// Whether the text is a mnemonic and its operand; `T 2` may also be a timer, `A 4.0` an output.
+fn is_statement(text: &str, set: Mnemonics) -> bool {
+    let Some((word, operand)) = text.split_once([' ', '\t']) else { return false };
+    let is_number = operand.trim_start().starts_with(|c: char| c.is_ascii_digit());
+    !is_number && mnemonics::instruction(&word.to_ascii_uppercase(), set).is_some()
 }
 
 /// `L MW [MD 10,P#0.0]`: an offset, `rest`, after an address that is not a register.

@@ -150,7 +150,7 @@ fn slip(state: &State, index: usize, before: Option<&Spanned>) -> Option<Diagnos
                     "a time begins with `S5T#` or `T#`",
                     format!("write `S5T#{number}{upper}` for a timer of the CPU, `T#{number}{upper}` for a TIME"),
                 ),
-                _ if let Some(written) = suggest::hexadecimal(&format!("{number}{upper}")) => {
+                _ if let Some(written) = suggest::hexadecimal(&format!("{number}{}", upper.trim_end_matches('H'))) => {
                     ("a hexadecimal number begins with `16#`", format!("write `{written}`"))
                 }
                 _ => return None,

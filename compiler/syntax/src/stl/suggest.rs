@@ -1,5 +1,6 @@
 //! Hints for words that are not an instruction.
 
+use crate::distance;
 use crate::front::extent;
 use crate::stl::mnemonics::{self, letters_and_digits, other};
 use crate::stl::{Mnemonics, OperandClass, StlInsn};
@@ -24,6 +25,7 @@ const KNOWN_SLIPS: &[(&str, &str)] = &[
     ("CAL", "write `CALL`"),
     ("RET", "write `BEU`"),
     ("RETC", "write `BEC`"),
+    ("RETURN", "write `BEU`"),
     ("END", "write `BE`, or `BEU` inside a block"),
     ("TON", "write `SD`, or `CALL` the function block"),
     ("TOF", "write `SF`, or `CALL` the function block"),
@@ -166,8 +168,16 @@ const AREA_WORDS: &[(&str, &str, &str)] = &[
     ("FLAG", "M", "M"),
 ];
 
-/// What is meant by the name of an area and a number: `T 5` for `TIMER 5`, `I 0.1` for `INPUT 0.1`.
+/// Analog inputs and outputs as the S7-200 has them, with their letters in the international and the German mnemonics.
+const ANALOG_WORDS: &[(&str, &str, &str)] =
+    &[("AIW", "PIW", "PEW"), ("AEW", "PIW", "PEW"), ("AQW", "PQW", "PAW"), ("AAW", "PQW", "PAW")];
+
+/// What is meant by the name of an area and a number: `T 5` for `TIMER 5`, `I 0.1` for `INPUT 0.1`, `PIW 256` for `AIW 256`.
 pub fn address(word: &str, number: &str, set: Mnemonics) -> Option<String> {
+    if let Some((_, english, german)) = ANALOG_WORDS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(word)) {
+        let letters = if set == Mnemonics::De { german } else { english };
+        return number.bytes().all(|digit| digit.is_ascii_digit()).then(|| format!("{letters} {number}"));
+    }
     let (_, english, german) = AREA_WORDS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(word))?;
     let is_cell = matches!(*english, "T" | "C");
     let is_number = |digits: &str| !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
@@ -199,6 +209,9 @@ pub fn instruction(word: &str, text: &str, follows: &str, set: Mnemonics) -> Str
         if let Some(at) = split {
             return format!("write a blank between mnemonic and operand: `{} {}`", &text[..at], &text[at..]);
         }
+    }
+    if word.len() > 4 && distance::between(word, "NETWORK") <= 2 {
+        return "did you mean `NETWORK`?".to_owned();
     }
     match nearest(word, follows, set).as_slice() {
         [insn] => format!("did you mean `{}`?", insn.mnemonic(set)),

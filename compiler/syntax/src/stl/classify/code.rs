@@ -41,7 +41,7 @@ impl<'a> Classifier<'a, '_> {
                         self.network();
                     } else if word == "CALL" {
                         self.call();
-                    } else if is_statement_word(word) || self.assigns_path() {
+                    } else if is_statement_word(word) && !matches!(word, "GOTO" | "RETURN") || self.assigns_path() {
                         self.foreign();
                     } else if let Some((insn, count)) = self.mnemonic() {
                         self.instruction(insn, count);

@@ -187,9 +187,18 @@ impl<'a> Classifier<'a, '_> {
                 let compares = matches!(slice, ">" | "<" | ">=" | "<=" | "==" | "<>");
                 let message = Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"));
                 self.report(match slice {
-                    _ if compares => message
-                        .label("the type of the values is missing")
-                        .help(format!("write `{slice}I` for INT, `{slice}D` for DINT or `{slice}R` for REAL")),
+                    _ if compares => {
+                        let first = match self.ends_before(index + 1) {
+                            true => String::new(),
+                            false => {
+                                let load = StlInsn::Load.mnemonic(self.set);
+                                format!("`{load} {}`, then ", self.rest_of_statement(index + 1))
+                            }
+                        };
+                        message.label("the type of the values is missing").help(format!(
+                            "write {first}`{slice}I` for INT, `{slice}D` for DINT or `{slice}R` for REAL"
+                        ))
+                    }
                     ":=" => {
                         let operand = self.rest_of_statement(index + 1);
                         message
@@ -485,12 +494,22 @@ impl<'a> Classifier<'a, '_> {
         if !after_operand || in_list || !compares && !matches!(sign, "+" | "-" | "*" | "/") {
             return None;
         }
+        // `A #i > 5`: a contact does not load a value.
+        let first = match self.out.iter().rev().find(|(_, token, _)| matches!(token, Tok::Insn(_))) {
+            Some((_, Tok::Insn(insn), end))
+                if matches!(insn.operand(), OperandClass::Bit | OperandClass::BitOrNone) =>
+            {
+                let operand = self.text.get(*end..self.raw.get(self.at)?.start as usize)?.trim();
+                if operand.contains('\n') { String::new() } else { format!("`L {operand}` and ") }
+            }
+            _ => String::new(),
+        };
         Some(match rest.split_once(' ') {
             // `>I #b`
             Some((ty @ ("I" | "D" | "R"), operand)) => {
-                format!("write `L {}` and `{sign}{ty}` in lines of their own", operand.trim())
+                format!("write {first}`L {}` and `{sign}{ty}` in lines of their own", operand.trim())
             }
-            _ => format!("write `L {rest}`, then `{sign}I` for INT, `{sign}D` for DINT or `{sign}R` for REAL"),
+            _ => format!("write {first}`L {rest}`, then `{sign}I` for INT, `{sign}D` for DINT or `{sign}R` for REAL"),
         })
     }
 

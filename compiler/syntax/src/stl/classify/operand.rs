@@ -513,10 +513,19 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
-    /// `MO.0`: a number where the name of a component is expected.
+    /// `MO.0`, `L .5`: a number where the name of a component is expected.
     fn number_after_dot(&mut self, token: RawToken) {
         self.at += 1;
-        self.out.pop();
+        let dot = self.out.pop();
+        let is_value = matches!(self.out.last(), Some((_, Tok::Insn(_), _)));
+        if let (Some((start, ..)), true) = (dot, is_value) {
+            let end = token.end as usize;
+            let written = format!("write `0.{}`", self.slice(token));
+            let title = "a decimal number has a digit before its point";
+            let message = Diagnostic::new(Code::ForeignForm, self.span_of(start, end), title);
+            self.report(message.label("not a number of STL").help(written));
+            return self.push(start, Tok::BadOperand, end);
+        }
         let (begin, end) = (self.out.pop().map_or(token.start as usize, |(begin, ..)| begin), token.end as usize);
         if self.letter_for_digit(begin, end) {
             return;
