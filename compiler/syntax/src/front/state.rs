@@ -97,7 +97,14 @@ impl<'a, T, R> ParseState<'a, T, R> {
 
     /// Index of the first token that does not begin before byte `found`. Tokens without width come first.
     pub fn index_of(&self, found: usize) -> usize {
-        self.tokens.partition_point(|(start, ..)| *start < found)
+        let index = self.tokens.partition_point(|(start, ..)| *start < found);
+        // Declarations among statements were moved to where they belong: these tokens are in another order.
+        match self.tokens.get(index) {
+            Some((start, ..)) if *start != found => {
+                self.tokens.iter().position(|(start, ..)| *start == found).unwrap_or(index)
+            }
+            _ => index,
+        }
     }
 
     /// The message for a token that is not expected in `what`: the one at `at`, which follows the one at `before`, or which begins it.

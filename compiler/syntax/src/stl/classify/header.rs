@@ -113,15 +113,14 @@ impl<'a> Classifier<'a, '_> {
         }
     }
 
-    /// Declarations after `BEGIN`, which are reported: those before the first statement count as if they were before `BEGIN`.
+    /// Declarations after `BEGIN`, which are reported, count as if they were before `BEGIN`, unless too many statements come first.
     pub(super) fn section_after_begin(&mut self) {
-        /// NETWORK and its title.
-        const HEADS_MAX: usize = 2;
-        let last = self.out.iter().rev().take(HEADS_MAX);
-        let heads = last.take_while(|(_, token, _)| matches!(token, Tok::Network | Tok::Title(_))).count();
-        let begin = self.out.len().checked_sub(heads + 1).filter(|at| matches!(self.out[*at].1, Tok::Begin));
-        let Some(begin) = begin else { return self.skip_section() };
+        const TOKENS_MAX: usize = 4000;
+        self.end_of_label();
         let end = self.out.len();
+        let mut tokens = self.out.iter().enumerate().rev().take(TOKENS_MAX);
+        let last = tokens.find(|(_, (_, token, _))| matches!(token, Tok::Begin | Tok::EndBlock));
+        let Some((begin, (_, Tok::Begin, _))) = last else { return self.skip_section() };
         while is_section(self.upper(self.at).as_str()) {
             self.section();
         }
