@@ -266,7 +266,9 @@ impl Declarations<'_> {
                 "a function block has no value: declare it in VAR_OUTPUT".to_owned()
             }
             Some(global) => format!("write `\"{}\"`: `#` is for what the block itself declares", global.name),
-            None => "declare it in one of the VAR sections of the block".to_owned(),
+            None => {
+                constant_meant(name).unwrap_or_else(|| "declare it in one of the VAR sections of the block".to_owned())
+            }
         }
     }
 
@@ -444,6 +446,17 @@ impl Declarations<'_> {
             }
         });
     }
+}
+
+/// The constant that `#00FF` or `#TRUE` may mean.
+fn constant_meant(name: &str) -> Option<String> {
+    let upper = name.to_ascii_uppercase();
+    if matches!(upper.as_str(), "TRUE" | "FALSE") {
+        return Some(format!("a constant has no `#`: write `{upper}`"));
+    }
+    let is_number = name.starts_with(|first: char| first.is_ascii_digit());
+    let is_hexadecimal = is_number && name.bytes().all(|digit| digit.is_ascii_hexdigit());
+    is_hexadecimal.then(|| format!("a hexadecimal number begins with `16#`: write `16#{upper}`"))
 }
 
 /// What `DW 2` may mean: STEP 5 counts the words of a data block.

@@ -24,6 +24,14 @@ pub fn based(text: &str, base: &str, digits: &str) -> Result<(u64, u32), Literal
             LiteralError::malformed(text, format!("base `{base}`"), help)
         }
         Fault::Digit(digit) => {
+            // `16#00FFH`
+            if let ("16", Some(without)) = (base, digits.strip_suffix(['H', 'h']))
+                && number::based(base, without).is_ok()
+            {
+                let written = text.strip_suffix(['H', 'h']).unwrap_or(text);
+                let label = format!("`{digit}` is not a digit of base 16");
+                return LiteralError::malformed(text, label, format!("write `{written}`"));
+            }
             let help = match base {
                 "2" => "binary digits are 0 and 1",
                 "8" => "octal digits are 0 to 7",

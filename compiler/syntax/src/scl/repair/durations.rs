@@ -1,4 +1,5 @@
-//! Durations that blanks or colons part: `T#1h 30m`, `T# 5s`, `T#1:30:00`; dates with slashes: `D#2024/5/6`.
+//! Constants in parts: durations with blanks or colons, `T#1h 30m`, `T#5 s`, `T#1:30:00`; dates with slashes, `D#2024/5/6`; digits after
+//! a blank, `16# FF`.
 
 use plcc_diag::{Code, Diagnostic};
 use plcc_literal::duration::{self, Fraction, Smallest};
@@ -40,6 +41,34 @@ impl Repair<'_> {
         true
     }
 
+    /// `16# FF`: a base with its digits after a blank.
+    pub(super) fn parted_digits(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let prefix = self.slice(token);
+        let base = match prefix.strip_suffix('#').and_then(|prefix| prefix.rsplit('#').next()) {
+            Some("16") => 16,
+            Some("8") => 8,
+            Some("2") => 2,
+            _ => return false,
+        };
+        let mut after = at + 1;
+        while self.beside(after).is_some_and(|next| matches!(next.kind, RawKind::Word | RawKind::Number))
+            && (after == at + 1 || self.adjacent(after - 1))
+        {
+            after += 1;
+        }
+        let digits = if after == at + 1 { "" } else { self.words(at + 1, after - 1) };
+        if digits.is_empty() || !digits.chars().all(|digit| digit.is_digit(base)) {
+            return false;
+        }
+        let written = format!("{prefix}{digits}");
+        let title = format!("`{}` is not a constant as STEP 7 writes it", self.words(at, after - 1));
+        let message = Diagnostic::new(Code::BadLiteral, self.span(at, after), title);
+        self.messages.push(message.label("no blanks inside a constant").help(format!("write `{written}`")));
+        self.replace(at, after, RawKind::Reported, None);
+        true
+    }
+
     /// `D#2024/5/6`, `DATE#6/5/2024`: a date with slashes.
     pub(super) fn date_with_slashes(&mut self, token: RawToken) -> bool {
         let at = self.at;
@@ -66,6 +95,13 @@ impl Repair<'_> {
     fn rest_after_blanks(&self, value: &str) -> Option<(usize, String)> {
         let mut written = value.trim_end_matches('_').to_ascii_uppercase();
         let mut after = self.at + 1;
+        // `T#5 s`
+        if let Some(unit) = self.beside(after).filter(|unit| unit.kind == RawKind::Word)
+            && value.ends_with(|last: char| last.is_ascii_digit())
+        {
+            written.push_str(&self.slice(unit).to_ascii_uppercase());
+            after += 1;
+        }
         while let (Some(number), Some(unit)) = (self.beside(after), self.beside(after + 1))
             && number.kind == RawKind::Number
             && unit.kind == RawKind::Word

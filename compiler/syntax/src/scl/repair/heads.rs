@@ -331,6 +331,7 @@ impl Repair<'_> {
             || self.name_with_digit(token)
             || self.repair_number(token)
             || self.parted_duration(token)
+            || token.kind == RawKind::Literal && self.parted_digits(token)
             || self.date_with_slashes(token)
         {
             return;

@@ -30,7 +30,9 @@ impl Repair<'_> {
             RawKind::Assign => self.value_with_sign(),
             RawKind::Arrow => self.value_with_sign() || self.arrow(),
             RawKind::LeftParen => self.type_in_brackets() || self.list_of_values(),
-            RawKind::Literal => self.parted_duration(token) || self.date_with_slashes(token),
+            RawKind::Literal => {
+                self.parted_duration(token) || self.parted_digits(token) || self.date_with_slashes(token)
+            }
             RawKind::Local => self.region_with_sign(token),
             RawKind::Hash => self.parted_duration(token) || self.split_local(token) || self.comment_with_hash(token),
             RawKind::Caret => self.power(),
