@@ -246,7 +246,11 @@ impl NetworkBinder<'_, '_> {
             let output = bound.interface.parameters.iter().any(|parameter| {
                 parameter.direction == Direction::Output && parameter.name.eq_ignore_ascii_case(&pin.name)
             });
-            if output || pin.output {
+            if output && !pin.output {
+                self.output_as_input(key, pin);
+                return None;
+            }
+            if pin.output {
                 if !after.contains(&pin.name) {
                     after.push(pin.name.clone());
                 }
@@ -265,6 +269,20 @@ impl NetworkBinder<'_, '_> {
             self.instance_output(ctx, sheet, at, instance, &name, &name)?;
         }
         Some(())
+    }
+
+    /// `run := "Motor"` for an output, whose value would go nowhere.
+    fn output_as_input(&mut self, key: BlockKey, pin: &Pin) {
+        let title = format!("`{}` of {} is an output", pin.name, self.program.globals.shown(key));
+        let help = match self.program.globals.text(pin.span).split_once(":=") {
+            Some((_, given)) => format!("write `{} => {}`", pin.name, given.trim()),
+            None => "connect its variable as an output of the box".to_string(),
+        };
+        self.program.report(
+            Diagnostic::new(Code::AssignSign, pin.span, title)
+                .label("connected as an input: its value goes nowhere")
+                .help(help),
+        );
     }
 
     fn pin_node_of_output(&self, pin: &Pin) -> Option<Node> {
@@ -312,6 +330,10 @@ impl NetworkBinder<'_, '_> {
                 PinValue::Net(_) | PinValue::Open => false,
             };
             let is_output = formal.map_or(pin.output, |formal| formal.direction == Direction::Output);
+            if is_output && !pin.output {
+                self.output_as_input(key, pin);
+                return None;
+            }
             if !is_output {
                 let node = self.pin_node(ctx, sheet, pin)?;
                 arguments.push(named(pin, node, false));
