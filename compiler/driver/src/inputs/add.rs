@@ -88,9 +88,35 @@ pub(super) fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
         }
         Content::Other(what) | Content::Program(what) => {
             let title = format!("`{}` is not a PLC source but {what}", path.display());
+            if is_toml(path) {
+                let help = instead_of_toml(path);
+                return read.report(Code::NotASource, path, title, &help);
+            }
             let help = "give a source in STL (S7-200 or S7-300/400), SCL, SIMATIC SD or GRAPH, blocks exported as XML, or a symbol table";
             read.report(Code::NotASource, path, title, help);
         }
+    }
+}
+
+/// What to give instead of a file in TOML, which belongs to a project or is for a flag.
+fn instead_of_toml(path: &Path) -> String {
+    let is_project = |folder: &&Path| folder.join(project::FILE_NAME).is_file();
+    let Some(folder) = path.ancestors().skip(1).find(is_project) else {
+        return format!("give the sources; `--scenario {}` plays a scenario with them", path.display());
+    };
+    let shown = match folder.as_os_str().is_empty() {
+        true => ".".to_string(),
+        false => folder.display().to_string(),
+    };
+    match path.file_name() {
+        Some(name) if name == project::FILE_NAME => {
+            format!("give the folder of the project, `{shown}`: plcc reads this file there")
+        }
+        _ => format!(
+            "give the folder of the project, `{shown}`: `plcc test {shown}` plays its scenarios, \
+             `plcc run {shown} --scenario {}` this one",
+            path.display()
+        ),
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::content::foreign::{self, Foreign};
 use crate::content::{self, Content};
 use crate::pipeline;
+use crate::project;
 
 /// True for the text of a source, at a path that the user did not name.
 pub(crate) fn is_source(path: &Path, text: &str) -> bool {
@@ -31,6 +32,9 @@ pub(super) const TEXTS_SUFFIX: &str = "s7res";
 pub(super) fn content_of(path: &Path, text: &str) -> Content {
     if path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case(TEXTS_SUFFIX)) {
         return Content::Other("texts of a block");
+    }
+    if path.file_name().is_some_and(|name| name == project::FILE_NAME) {
+        return Content::Other("the settings of a project");
     }
     if is_toml(path) {
         return Content::Other("settings or a scenario in TOML");
