@@ -25,7 +25,7 @@ const fn step7(name: &'static str, names: &'static [&'static str]) -> Group {
     Group { tool: "STEP 7", name, names }
 }
 
-/// The catalogues. Source: TIA Portal help and the help of STEP 7 V5, lists of instructions.
+/// The catalogues. Source: TIA Portal help with that of STEP 7 Safety, and the help of STEP 7 V5, lists of instructions.
 #[rustfmt::skip]
 const GROUPS: &[Group] = &[
     // Basic instructions.
@@ -176,6 +176,10 @@ const GROUPS: &[Group] = &[
     ]),
     tia("teleservice", &[
         "TM_MAIL", "PG_DIAL", "SMS_SEND", "AS_MAIL", "AS_DIAL",
+    ]),
+    tia("safety functions, for fail-safe CPUs", &[
+        "ESTOP1", "TWO_HAND", "TWO_H_EN", "MUTING", "MUT_P", "EV1oo2DI", "FDBACK", "SFDOOR", "ACK_GL", "ACK_OP", "BO_W", "W_BO",
+        "RD_FDB", "WR_FDB", "SENDDP", "RCVDP", "SENDS7", "RCVS7",
     ]),
     // STEP 7 V5.
     step7("system functions (SFC)", &[

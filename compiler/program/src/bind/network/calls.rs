@@ -180,6 +180,7 @@ impl NetworkBinder<'_, '_> {
             }
             if matches!(key.kind, BlockKind::Fb | BlockKind::Sfb) {
                 let data = instance.as_ref().unwrap_or(callee);
+                let data = binder.scl().instance_before(ctx, data).unwrap_or(data);
                 return binder.function_block_call(ctx, sheet, at, node, data, key);
             }
             binder.function_call_of(ctx, sheet, at, node, key)

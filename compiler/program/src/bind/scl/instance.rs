@@ -13,7 +13,7 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
 
 use super::Intent;
 use super::callee::{Callee, block_of_name};
-use crate::bind::globals::names::code_kind;
+use crate::bind::globals::names::{code_kind, kind_prefix};
 use crate::bind::scl::{SclBinder, SclBlock};
 
 /// A call that is longer than this is not shown in a help.
@@ -96,6 +96,21 @@ impl SclBinder<'_, '_> {
         }
     }
 
+    /// The instance in `#timer.TON`, a call that is bound: `TON` is the name of its block and no component.
+    pub(in crate::bind) fn instance_before<'n>(&mut self, ctx: &mut SclBlock, node: &'n Node) -> Option<&'n Node> {
+        let NodeKind::Member { base, name } = &node.kind else { return None };
+        let ty = match self.quiet_block(ctx, base) {
+            Some((BlockPrefix::Db, number)) => self.program.data.db_type(number)?,
+            Some(_) => return None,
+            None => match self.access(ctx, base, Intent::Both)?.ty {
+                DataType::Struct(ty) => ty,
+                _ => return None,
+            },
+        };
+        let is_component = ty.members.iter().any(|member| fold(&member.name) == fold(&name.text));
+        (!is_component).then_some(&**base)
+    }
+
     /// The block that an instruction's name after an instance means: that of the instance, or one for the common data of IEC timers and
     /// counters.
     fn instruction_of(
@@ -114,6 +129,13 @@ impl SclBinder<'_, '_> {
             && let Some(block) = self.program.globals.library_block(key)
             && (block.name.eq_ignore_ascii_case(name)
                 || block.name.split('_').next().is_some_and(|first| first.eq_ignore_ascii_case(name)))
+        {
+            return Some(key);
+        }
+        // A block of the program with the name of an instruction that plcc does not have.
+        if let Some(key) = own
+            && self.program.globals.library_block(key).is_none()
+            && self.program.globals.names.block_name(kind_prefix(key.kind), key.number).eq_ignore_ascii_case(name)
         {
             return Some(key);
         }
@@ -148,6 +170,14 @@ impl SclBinder<'_, '_> {
             of => format!("`{of}`"),
         };
         let message = match own {
+            Some(key) if self.program.globals.library_block(key).is_none() => {
+                let (block, asked) = (self.program.globals.shown(key), &name.text);
+                Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{asked}`"))
+                    .label(format!("the name before the point is an instance of {block}"))
+                    .help(format!(
+                        "remove `.{asked}` to call {block}, or name an instance of `{asked}` before the point"
+                    ))
+            }
             Some(key) => {
                 let known =
                     self.program.globals.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
