@@ -54,6 +54,10 @@ impl SclBinder<'_, '_> {
         span: Span,
     ) -> Option<Expr> {
         let op = compare_op(op)?;
+        if ctx.scope.address_numbers {
+            self.number_beside_time(&left, &right);
+            self.number_beside_time(&right, &left);
+        }
         let (left, right) =
             if ctx.scope.address_numbers { self.address_operands(ctx, left, right) } else { (left, right) };
         let (left, right) = self.as_numbers(ctx, left, right)?;
@@ -106,6 +110,14 @@ impl SclBinder<'_, '_> {
                 self.operator_types(op_span, &left, &right, &help);
                 None
             }
+        }
+    }
+
+    /// `S001.T > 5` in a chart of S7-GRAPH V5. `L#5000` is written for milliseconds on purpose.
+    fn number_beside_time(&mut self, number: &Value, other: &Value) {
+        let text = self.program.globals.text(number.span());
+        if Shape::of(other) == Shape::Of(Elementary::Time) && !text.is_empty() && !text.contains('#') {
+            self.number_without_unit(number, Elementary::Time);
         }
     }
 

@@ -158,16 +158,25 @@ impl SclBinder<'_, '_> {
 
     /// Warns of a number that is assigned or passed to a duration, or compared with one. Source: SCL reference, implicit conversion.
     pub(super) fn number_for_duration(&mut self, ctx: &SclBlock, value: &Value, ty: Elementary) {
-        let Value::Constant(Constant::Integer { value: number, .. }, span) = value else { return };
-        let (own, unit) = match ty {
-            Elementary::Time => (Elementary::Dint, "milliseconds"),
-            Elementary::Ltime => (Elementary::Lint, "nanoseconds"),
+        let Value::Constant(Constant::Integer { value: number, .. }, _) = value else { return };
+        let own = match ty {
+            Elementary::Time => Elementary::Dint,
+            Elementary::Ltime => Elementary::Lint,
             _ => return,
         };
         let converts = convert::implicit(ctx.scope.rules, ctx.scope.strict, own, ty) == Implicit::Yes;
-        if *number == 0 || !converts || !fits(*number, false, own) || ctx.scope.is_network() {
+        if converts && fits(*number, false, own) && !ctx.scope.is_network() {
+            self.number_without_unit(value, ty);
+        }
+    }
+
+    /// Warns of a number other than 0 that is taken as a duration.
+    pub(super) fn number_without_unit(&mut self, value: &Value, ty: Elementary) {
+        let Value::Constant(Constant::Integer { value: number, .. }, span) = value else { return };
+        if *number == 0 {
             return;
         }
+        let unit = if ty == Elementary::Ltime { "nanoseconds" } else { "milliseconds" };
         let text = self.program.globals.text(*span);
         let mut help = rewrite::help(ty, &text, rewrite::Form::Scl);
         if ty == Elementary::Ltime && text.bytes().all(|byte| byte.is_ascii_digit()) {
