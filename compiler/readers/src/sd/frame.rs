@@ -173,9 +173,13 @@ impl Reader<'_, '_> {
                 _ if token.kind == RawKind::LeftBrace => self.attributes_of_block_or_network(head),
                 _ if self.network_begins(self.at) => {
                     head = false;
-                    self.network(token);
+                    self.network(token, self.at + 1);
                 }
-                _ if head && !self.is_word("RUNG") && !self.is_word("END_NETWORK") => self.push(),
+                _ if self.is_word("RUNG") => {
+                    head = false;
+                    self.rungs(token);
+                }
+                _ if head && !self.is_word("END_NETWORK") => self.push(),
                 _ => {
                     head = false;
                     self.outside_of_networks(token);
@@ -193,7 +197,7 @@ impl Reader<'_, '_> {
     /// After the name of a block, attributes belong to the block unless a network follows.
     fn attributes_of_block_or_network(&mut self, head: bool) {
         self.attributes();
-        let network = self.network_begins(self.at) || self.is_at(RawKind::LeftBrace);
+        let network = self.network_begins(self.at) || self.is_word("RUNG") || self.is_at(RawKind::LeftBrace);
         if head && !network {
             let attributes = self.taken_attributes();
             if let Some(block) = self.blocks.last_mut() {
@@ -231,10 +235,20 @@ impl Reader<'_, '_> {
             )
     }
 
-    /// A network from `NETWORK` to its end.
-    fn network(&mut self, opening: RawToken) {
+    /// Rungs without `NETWORK` before them.
+    fn rungs(&mut self, first: RawToken) {
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(first), "`NETWORK` is missing")
+                .label("this rung is in no network")
+                .help("write `NETWORK` before the rungs of a network, and `END_NETWORK` after them"),
+        );
+        self.network(first, self.at);
+    }
+
+    /// A network from `NETWORK`, or from its first rung, to its end. `first`: the index of the first token in it.
+    fn network(&mut self, opening: RawToken, first: usize) {
         let attributes = self.taken_attributes();
-        let first = self.at + 1;
+        let begins = first > self.at;
         let mut end = first;
         while let Some(token) = self.tokens.get(end).copied() {
             let closes = is_word(self.text, self.tokens, end, "END_NETWORK");
@@ -248,20 +262,23 @@ impl Reader<'_, '_> {
         let closed = is_word(self.text, self.tokens, end, "END_NETWORK");
         self.at = if closed { end + 1 } else { end };
         if !closed {
-            self.report(
-                Diagnostic::new(Code::BlockFrame, self.span(opening), "`END_NETWORK` is missing")
-                    .label("this network is not closed")
-                    .help("write `END_NETWORK` after its last rung or statement"),
-            );
+            if begins {
+                self.report(
+                    Diagnostic::new(Code::BlockFrame, self.span(opening), "`END_NETWORK` is missing")
+                        .label("this network is not closed")
+                        .help("write `END_NETWORK` after its last rung or statement"),
+                );
+            }
             end = self.without_last_attributes(first, end);
             self.at = end;
         }
         let next = self.tokens.get(end).map_or(self.text.len(), |token| token.start as usize);
+        let inside = if begins { opening.end as usize } else { opening.start as usize };
         if let Some(block) = self.blocks.last_mut() {
             block.networks.push(NetworkSource {
                 attributes,
                 tokens: first..end,
-                bytes: opening.end as usize..next.max(opening.end as usize),
+                bytes: inside..next.max(inside),
                 span: Span { file: self.file, start: opening.start, end: opening.end },
             });
         }
