@@ -18,6 +18,8 @@ pub enum Part<'a> {
 pub struct Rung<'a> {
     pub items: Vec<Item<'a>>,
     pub end: Option<Wire<'a>>,
+    /// Without `END_RUNG`, which was reported.
+    pub is_open: bool,
     /// Of `RUNG`.
     pub span: Span,
 }

@@ -95,6 +95,7 @@ impl Builder<'_, '_> {
     }
 
     fn rung(&mut self, rung: Rung) {
+        self.graph.broken |= rung.is_open;
         let mut carried = Carried { flow: Flow::Nothing, inverted: false };
         let mut settings: Vec<Attribute> = Vec::new();
         let mut settings_span = None;
