@@ -102,6 +102,8 @@ impl<'a> Classifier<'a, '_> {
                 self.take(Tok::EndRung);
                 if let Some(name) = self.wire() {
                     self.take_wire(Tok::Wire(name));
+                } else if let Some(name) = self.bare_wire() {
+                    self.take_bare_wire(name);
                 }
                 return;
             } else if let Some(name) = self.wire() {

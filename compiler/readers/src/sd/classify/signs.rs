@@ -1,4 +1,5 @@
-//! Signs of drawings in a rung, `& %I0.1`, `>=1( in2 := #b )`, `=( #q )`, and blanks in a wire: each is reported once.
+//! Signs of drawings in a rung, `& %I0.1`, `>=1( in2 := #b )`, `=( #q )`, and wires with a blank or without `wire#`: each is reported
+//! once.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -22,6 +23,31 @@ impl<'a> Classifier<'a, '_> {
                 .help(format!("write `wire#{name}`")),
         );
         self.take_wire(Tok::Wire(name));
+    }
+
+    /// The current word behind `END_RUNG`, if another rung of the network has a wire of this name.
+    pub(super) fn bare_wire(&self) -> Option<&'a str> {
+        let token = self.raw.get(self.at).filter(|token| !token.first_on_line)?;
+        let text: &'a str = self.text;
+        let name = text[token.range()].trim_start_matches('#');
+        let is_wire = |at: usize| {
+            let wire = is_word(text, self.raw, at, "wire") && self.kind_at(at + 1) == Some(RawKind::Local);
+            wire && text[self.raw[at + 1].range()].trim_start_matches('#').eq_ignore_ascii_case(name)
+        };
+        let is_name = matches!(token.kind, RawKind::Word | RawKind::Local);
+        (is_name && (0..self.raw.len()).any(is_wire)).then_some(name)
+    }
+
+    /// Reports a wire without `wire#`, and takes it.
+    pub(super) fn take_bare_wire(&mut self, name: &'a str) {
+        if let Some(token) = self.raw.get(self.at).copied() {
+            self.report(
+                Diagnostic::new(Code::Syntax, self.span(token), format!("`wire#` is missing before `{name}`"))
+                    .label("the name of a wire")
+                    .help(format!("write `END_RUNG wire#{name}`")),
+            );
+            self.take(Tok::Wire(name));
+        }
     }
 
     /// A sign of a box or of an assignment, with what belongs to it: reported and skipped.
