@@ -128,6 +128,7 @@ impl Builder<'_, '_> {
             .chain([RAIL.to_owned()])
             .collect();
         let only_unused = self.renamed_wire(&wires);
+        let unjoined = self.unjoined_wire(&wires);
         for known in wires {
             let name = self.graph.net(known.net).name.clone();
             if let Some((unfed, unused, idle, meant)) = &only_unused
@@ -162,7 +163,10 @@ impl Builder<'_, '_> {
                     self.report(
                         Diagnostic::new(Code::OpenBranch, *idle, format!("nothing uses `wire#{name}`"))
                             .label("the rung is connected to nothing")
-                            .help("connect the wire to an element, or end the rung with a coil"),
+                            .help(match &unjoined {
+                                Some(other) => format!("is `wire#{other}` meant? Otherwise end the rung with a coil"),
+                                None => "connect the wire to an element, or end the rung with a coil".to_owned(),
+                            }),
                     );
                 }
             }
@@ -184,6 +188,20 @@ impl Builder<'_, '_> {
         let sources = &mut self.graph.nets[known.net.0 as usize].sources;
         sources.extend(known.inline);
         sources.extend(known.ends);
+    }
+
+    /// The name of the only wire in the middle of a rung that no other rung ends in or begins at: a branch may be meant to join there.
+    fn unjoined_wire(&self, wires: &[Known]) -> Option<String> {
+        let is_alone = |known: &&Known| {
+            known.inline.len() == 1
+                && known.ends.is_empty()
+                && known.used.is_some()
+                && known.used == known.fed.first().copied()
+                && known.inline[0] != Source::Rail
+        };
+        let mut found = wires.iter().filter(is_alone);
+        let known = found.next().filter(|_| found.next().is_none())?;
+        Some(self.graph.net(known.net).name.clone())
     }
 
     /// The only wire without a source, the only one without a use, where that ends, and its name: most likely they are one wire.

@@ -128,17 +128,34 @@ fn dead_end(check: &mut Check, at: usize, element: &Element, told: &mut [bool]) 
         }
         (Language::Lad | Language::Scl | Language::Stl, None) => {
             let text = format!("the rung ends in {name} and has no output");
-            let help = "put a coil or a box at the end of the rung";
+            let help = match unjoined(check) {
+                Some(name) => format!(
+                    "end the rung in a wire if it is a branch, such as `END_RUNG wire#{name}`; otherwise put a coil or a box at its end"
+                ),
+                None => "put a coil or a box at the end of the rung".to_string(),
+            };
             check.report(
                 Code::ElementPlace,
                 element.span,
                 Some(at),
                 text,
                 "cannot be the last element of a rung",
-                help,
+                &help,
             );
         }
     }
+}
+
+/// The name of the only wire with one source and one use, where a branch may be meant to join. Only SIMATIC SD names its nets.
+fn unjoined<'g>(check: &Check<'g>) -> Option<&'g str> {
+    let graph = check.graph;
+    let mut found = graph.nets.iter().enumerate().filter(|(at, net)| {
+        !net.name.is_empty()
+            && matches!(net.sources.as_slice(), [Source::Pin { .. }])
+            && check.feeds.get(*at).is_some_and(|feeds| feeds.elements.len() == 1 && !feeds.net)
+    });
+    let (_, net) = found.next().filter(|_| found.next().is_none())?;
+    Some(&net.name)
 }
 
 /// Rungs of FBD with an operand that feeds a net that is not read.
