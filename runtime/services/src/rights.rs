@@ -23,16 +23,24 @@ struct Network {
 }
 
 impl Network {
-    /// `192.168.0.7`, `192.168.0.0/24`.
+    /// `192.168.0.7`, `192.168.0.0/24`. An address of IPv4 in the form of IPv6 is the same computer: `::ffff:192.168.0.7`.
     fn parse(text: &str) -> Option<Network> {
+        /// Bits before the address of IPv4.
+        const MAPPED_BITS: u8 = 96;
         let (address, bits) = match text.split_once('/') {
             Some((address, bits)) => (address, Some(bits.parse().ok()?)),
             None => (text, None),
         };
         let address: IpAddr = address.parse().ok()?;
         let most = if address.is_ipv4() { 32 } else { 128 };
-        let bits = bits.unwrap_or(most);
-        (bits <= most).then_some(Network { address, bits })
+        let bits: u8 = bits.unwrap_or(most);
+        if bits > most {
+            return None;
+        }
+        match address.to_canonical() {
+            short if short != address => Some(Network { address: short, bits: bits.checked_sub(MAPPED_BITS)? }),
+            _ => Some(Network { address, bits }),
+        }
     }
 
     fn contains(&self, other: IpAddr) -> bool {
@@ -143,6 +151,12 @@ mod tests {
         assert_eq!(of(&clients, "fdff::1"), Some(Right::Write));
         assert_eq!(of(&clients, "10.0.0.1"), None);
         assert_eq!(of(&Clients::new(&config, Some(Right::Write)), "192.168.7.9"), Some(Right::Write));
+        let list = vec![client("::ffff:10.0.0.5", Right::Write), client("::ffff:10.0.0.0/104", Right::Read)];
+        let mapped = Clients::new(&ServicesConfig { clients: list, ..ServicesConfig::default() }, None);
+        assert_eq!(of(&mapped, "10.0.0.5"), Some(Right::Write));
+        assert_eq!(of(&mapped, "::ffff:10.0.0.5"), Some(Right::Write));
+        assert_eq!(of(&mapped, "10.9.9.9"), Some(Right::Read));
+        assert_eq!(of(&mapped, "11.0.0.5"), None);
         let all = ServicesConfig { clients: vec![client("0.0.0.0/0", Right::Read)], ..ServicesConfig::default() };
         assert_eq!(of(&Clients::new(&all, None), "10.0.0.1"), Some(Right::Read));
     }
@@ -156,6 +170,8 @@ mod tests {
             ("10.0.0.0/8", "11.0.0.0/8", false),
             ("fd00::/8", "fdff::1/8", true),
             ("0.0.0.0/0", "::/0", false),
+            ("10.0.0.5", "::ffff:10.0.0.5", true),
+            ("10.0.0.0/24", "::ffff:10.0.0.0/120", true),
             ("localhost", "localhost", false),
         ] {
             assert_eq!(is_same_network(one, other), same, "{one} {other}");
@@ -164,7 +180,8 @@ mod tests {
 
     #[test]
     fn wrong_networks_are_none() {
-        for text in ["", "192.168.0", "192.168.0.0/33", "::/129", "localhost", "10.0.0.0/", "10.0.0.0/-1"] {
+        let short = "::ffff:10.0.0.0/24";
+        for text in ["", "192.168.0", "192.168.0.0/33", "::/129", "localhost", "10.0.0.0/", "10.0.0.0/-1", short] {
             assert!(!is_network(text), "{text}");
         }
     }
