@@ -1,19 +1,26 @@
 //! Declarations of SCL and the TIA Portal: layouts, initial values, constants, views, numbers of blocks.
 
 use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::names::External;
 use plcc_diag::{Diagnostic, FileId, Severity, SourceFile, SourceMap};
-use plcc_syntax::ParseOptions;
+use plcc_syntax::ast::SourceUnit;
+use plcc_syntax::{Language, ParseOptions};
 
 use crate::bind::bind;
 use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::types::DataType;
 use plcc_model::{BlockKey, CodeBlock, Passing, Program};
+use plcc_readers::ReadOptions;
 
 fn bind_scl(source: &str) -> (Program, Vec<Diagnostic>) {
+    bind_parsed(source, |file| plcc_syntax::scl::parse(file, source, &ParseOptions::default()))
+}
+
+fn bind_parsed(source: &str, parse: impl Fn(FileId) -> (SourceUnit, Vec<Diagnostic>)) -> (Program, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let file: FileId = sources.add(SourceFile::new("test.scl", source));
-    let (unit, mut diagnostics) = plcc_syntax::scl::parse(file, source, &ParseOptions::default());
+    let (unit, mut diagnostics) = parse(file);
     let (program, bound) = bind(&BindInput {
         name: "test".to_string(),
         sources: &sources,
@@ -208,4 +215,15 @@ fn numbers_of_blocks() {
     assert_eq!(numbers, [1, 30, 31, 82, 100, 121]);
     assert_eq!(errors(&[ob("\"Main\""), ob("\"Fast\"")].concat()), ["P0206"]);
     assert_eq!(good(&ob("\"Fast\"")).blocks[0].number, 1);
+}
+
+#[test]
+fn documents_of_simatic_sd_say_what_clients_may_only_read() {
+    let text = "{ S7_Optimized := \"TRUE\" }\nDATA_BLOCK \"d\"\n    VAR\n        { S7_Access := \"ReadOnly := External\" } \"a\" : Int;\n        \
+                { S7_Access := \"readonly:=external\" } \"b\" : Int;\n        { S7_Visibility := \"Hidden\" } \"c\" : Int;\n    END_VAR\nEND_DATA_BLOCK\n";
+    let options = ReadOptions { language: Some(Language::Sd), ..ReadOptions::default() };
+    let (program, messages) = bind_parsed(text, |file| plcc_readers::parse(file, text, &options));
+    assert!(messages.is_empty(), "{messages:#?}");
+    let found: Vec<External> = program.dbs[0].members.iter().map(|member| member.external).collect();
+    assert_eq!(found, [External::Read, External::Read, External::Write]);
 }

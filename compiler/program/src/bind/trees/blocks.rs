@@ -29,8 +29,19 @@ pub fn external(variable: &ast::Variable) -> External {
     match () {
         () if is_denied(&variable.attributes, "ExternalAccessible") => External::Hidden,
         () if is_denied(&variable.attributes, "ExternalWritable") => External::Read,
+        () if is_only_read(&variable.attributes) => External::Read,
         () => External::Write,
     }
+}
+
+/// Whether a declaration in SIMATIC SD says that clients may only read: `S7_Access := "ReadOnly := External"`.
+///
+/// Source: LAD/FBD reference A.4.
+fn is_only_read(attributes: &[(String, String)]) -> bool {
+    attributes.iter().filter(|(name, _)| name.eq_ignore_ascii_case("S7_Access")).any(|(_, value)| {
+        let letters: String = value.chars().filter(|letter| !letter.is_whitespace()).collect();
+        letters.trim_matches(['\'', '"']).eq_ignore_ascii_case("ReadOnly:=External")
+    })
 }
 
 /// Whether clients of OPC UA may not reach a data block.
