@@ -1,6 +1,6 @@
 //! Tables whose fields have a separator between them: `.sdf`, exports of the TIA Portal, and what a spreadsheet saves.
 
-use plcc_syntax::symbols::{QUOTE_MISSING, UnreadableRow, parse_address};
+use plcc_syntax::symbols::{External, QUOTE_MISSING, UnreadableRow, parse_address};
 
 use super::columns::Columns;
 use super::format::names_addresses;
@@ -78,8 +78,15 @@ impl Reader<'_> {
                 continue;
             }
             // Exports of the TIA Portal have three flags between the type and the comment.
-            let comment = if record.len() > 6 { field(6) } else { field(3) };
+            let is_of_portal = record.len() > 6;
+            let comment = if is_of_portal { field(6) } else { field(3) };
+            let before = self.table.symbols.len();
             self.row(start, line, field(0), field(1), field(2), comment);
+            // The first two are whether panels may access the tag and whether they list it. What they may not access, they do not list.
+            let is_hidden = [field(3), field(4)].iter().all(|flag| flag.eq_ignore_ascii_case("false"));
+            if let Some(symbol) = self.table.symbols.get_mut(before).filter(|_| is_of_portal && is_hidden) {
+                symbol.external = External::Hidden;
+            }
         }
     }
 

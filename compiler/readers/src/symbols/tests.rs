@@ -43,6 +43,16 @@ fn portal_columns() {
 }
 
 #[test]
+fn portal_columns_say_what_clients_may_not_access() {
+    let text = "\"A\",\"%MW0\",\"Int\",\"False\",\"False\",\"False\",\"text\",\"\",\"False\"\n\"B\",\"%MW2\",\"Int\",\"True\",\"False\",\"False\",\"\",\"\",\"True\"\n\
+                \"Bad\",\"%X9\",\"Int\",\"False\",\"False\",\"False\",\"\"\n\"C\",\"%MW4\",\"Int\",\"True\",\"True\",\"False\",\"\"\n\"D\",\"MW 6\",\"INT\",\"False\"\n";
+    let (table, _) = parse(FileId(0), &SourceFile::new("table", text));
+    let hidden: Vec<(&str, bool)> =
+        table.symbols.iter().map(|symbol| (symbol.name.as_str(), symbol.external == External::Hidden)).collect();
+    assert_eq!(hidden, [("A", true), ("B", false), ("C", false), ("D", false)]);
+}
+
+#[test]
 fn columns_say_what_clients_may_do() {
     let text = "Name;Data Type;Logical Address;Hmi Visible;Hmi Accessible;Hmi Writeable\nA;Int;%MW0;False;False;False\nBad;Int;%X9;;False;\n\
                 B;Int;%MW2;True;True;False\nC;Int;%MW4;False;True;True\nD;Int;%MW6\n";
