@@ -104,6 +104,23 @@ fn the_mode_is_told() {
 }
 
 #[test]
+fn groups_that_are_not_served_are_refused_in_userdata() {
+    let plc = Fake::new();
+    let mut session = session(&plc);
+    // Routing of data records, NC programming, a group that does not exist.
+    for (sequence, group) in [0x20, 0x3F, 0x0E].into_iter().enumerate() {
+        let request = format!("32 07 0000 0004 0008 0004 00 01 12 04 11 {:02X} 01 00 0A 00 0000", 0x40 | group);
+        let (kind, sequence) = (0x80 | group, sequence + 1);
+        let expected =
+            format!("32 07 0000 0004 000C 0004 00 01 12 08 12 {kind:02X} 01 {sequence:02X} 00 00 8104 0A 00 0000");
+        exchange(&plc, &mut session, &request, &expected);
+    }
+    // An answer to nothing.
+    let answer = "32 07 0000 0004 0008 0004 00 01 12 04 11 84 01 00 0A 00 0000";
+    exchange(&plc, &mut session, answer, "32 02 0000 0004 0000 0000 8500");
+}
+
+#[test]
 fn the_cpu_is_stopped_and_not_started() {
     let plc = Fake::new();
     let mut session = session(&plc);

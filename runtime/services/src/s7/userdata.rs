@@ -68,8 +68,9 @@ impl<'a> Request<'a> {
         };
         let [_, _, high, low] = data.array::<4>()?;
         let payload = data.take(usize::from(u16::from_be_bytes([high, low])))?;
-        let request = kind & 0xF0 == 0x40;
-        request.then_some(Request { group: kind & 0x0F, function, sequence, follows, payload })
+        // The upper two bits say that it is a request.
+        let (direction, group) = (kind >> 6, kind & 0x3F);
+        (direction == 1).then_some(Request { group, function, sequence, follows, payload })
     }
 }
 
