@@ -26,8 +26,9 @@ async function look(tab) {
     return wires.length > 1 && wires.${text};
   })()`;
   await until(tab, "the rung without power after its contact", drawn(`some((wire) => wire === "w off")`));
-  await tab(`{ location.hash = "table"; table.add("I0.0"); table.add("Values.level"); table.add("Nothing"); }`);
+  await tab(`{ location.hash = "table"; table.add("I0.0"); table.add("Values.level"); table.add("Nothing"); table.add("DB9.DBW0"); }`);
   await until(tab, "a value of its type", `table.rows.get("Values.level")?.value.textContent === "1.5"`);
+  await until(tab, "a block that is not there", `table.rows.get("DB9.DBW0")?.value.textContent === "(DB 9 is not loaded)"`);
   await until(tab, "the name that is unknown", `/neither an address/.test(table.rows.get("Nothing")?.value.textContent)`);
   await tab(`{
     const form = table.rows.get("I0.0").value.parentElement.querySelector("form");

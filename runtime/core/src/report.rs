@@ -5,7 +5,7 @@ use std::io::Write;
 use crate::clock::NS_PER_MS;
 use crate::cpu::Cpu;
 use crate::plant::Plant;
-use crate::signal::{Signal, Source};
+use crate::signal::Signal;
 
 /// Writes one line per signal, or one JSON object with the cycle and its time in nanoseconds. Names are printed as given. What does not
 /// exist has the reason in place of a value, in JSON `null`.
@@ -16,10 +16,9 @@ pub fn write_values(
     json: Option<(u64, u64)>,
     out: &mut dyn Write,
 ) -> std::io::Result<()> {
-    let absent = |source: &Source| source.address().and_then(|address| cpu.check_address(address).err());
     let Some((cycle, time)) = json else {
         for Signal { name, source } in signals {
-            match absent(source) {
+            match source.absent(cpu) {
                 Some(reason) => writeln!(out, "{name} = ({reason})")?,
                 None => writeln!(out, "{name} = {}", source.read(cpu, plant).text())?,
             }
@@ -27,8 +26,10 @@ pub fn write_values(
         return Ok(());
     };
     let values = signals.iter().map(|Signal { name, source }| {
-        let value =
-            if absent(source).is_some() { serde_json::Value::Null } else { source.read(cpu, plant).exact_json() };
+        let value = match source.absent(cpu) {
+            Some(_) => serde_json::Value::Null,
+            None => source.read(cpu, plant).exact_json(),
+        };
         let value = serde_json::json!({ "type": source.ty(), "value": value });
         format!("{}: {value}", serde_json::Value::from(name.as_str()))
     });

@@ -167,6 +167,11 @@ impl Source {
         }
     }
 
+    /// Why the value does not exist at present: its DB is not loaded, or too short.
+    pub fn absent(&self, cpu: &Cpu) -> Option<String> {
+        self.address().and_then(|address| cpu.check_address(address).err())
+    }
+
     /// True for counts: no other number means one of them.
     pub fn is_exact(&self) -> bool {
         matches!(self, Source::PulseCount(_))

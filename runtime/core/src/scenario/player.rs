@@ -301,7 +301,7 @@ impl Player {
             let mut failed = Vec::new();
             for setting in &at.expect {
                 // Reading is 0 there.
-                let absent = setting.signal.source.address().and_then(|address| cpu.check_address(address).err());
+                let absent = setting.signal.source.absent(cpu);
                 if let Some(message) = absent {
                     let nothing = format!("nothing: {message}");
                     failed.push(AssertFailure { when: Some((cycle, time)), ..self.failure(setting, nothing) });

@@ -108,7 +108,7 @@ struct Values {
     /// The program has changed: how often, and where its values are.
     renewed: Option<(u64, Signals)>,
     running: bool,
-    /// `None`: the program has no such value.
+    /// `None`: the program has no such value, or its data block does not exist at present.
     values: Vec<Option<Value>>,
     /// Wall clock of the CPU, in milliseconds since 1970.
     time: i64,
@@ -131,7 +131,10 @@ fn renew(cpu: &Cpu, signals: &Signals) -> Signals {
 fn read(cpu: &Cpu, signals: &Signals, generation: u64) -> Values {
     let renewed = (cpu.generation() != generation).then(|| (cpu.generation(), renew(cpu, signals)));
     let signals = renewed.as_ref().map_or(signals, |(_, signals)| signals);
-    let values = signals.iter().map(|(_, signal, exists)| exists.then(|| signal.source.read(cpu, None))).collect();
+    let value = |(_, Signal { source, .. }, exists): &(String, Signal, bool)| {
+        (*exists && source.absent(cpu).is_none()).then(|| source.read(cpu, None))
+    };
+    let values = signals.iter().map(value).collect();
     Values { running: !cpu.is_stopped(), values, time: cpu.clock.wall().div_euclid(1_000_000), renewed }
 }
 

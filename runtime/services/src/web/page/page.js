@@ -355,7 +355,7 @@ function record() {
   for (const name of table.names()) {
     const shown = live.shown.get(name);
     // What has more than 53 bits comes as a text.
-    const value = /^(LWORD|U?LINT)$/.test(shown?.type) ? Number(shown.value) : shown?.value;
+    const value = typeof shown?.value === "string" && /^(LWORD|U?LINT)$/.test(shown.type) ? Number(shown.value) : shown?.value;
     if (typeof value !== "number" && typeof value !== "boolean") continue;
     const samples = curves.samples.get(name) ?? [];
     if (samples.at(-1)?.[1] !== Number(value)) samples.push([now, Number(value)]);

@@ -18,8 +18,9 @@ use crate::web::messages::{Entry, State};
 /// What the CPU said at one cycle control point.
 pub(super) struct Seen {
     pub(super) state: State,
-    /// Place in the list of what was found, and value. What is shown of them is found out elsewhere: the cycle waits for it.
-    pub(super) values: Vec<(usize, Value)>,
+    /// Place in the list of what was found, and value, or why there is none at present. What is shown of them is found out elsewhere: the
+    /// cycle waits for it.
+    pub(super) values: Vec<(usize, Result<Value, String>)>,
     pub(super) renewed: Option<Renewed>,
     /// The diagnostic buffer, if its newest entry is another one.
     pub(super) buffer: Option<Vec<diagnostics::Entry>>,
@@ -75,9 +76,10 @@ pub(super) fn look(
     });
     let watched = renewed.as_ref().map_or(watched, |renewed| &renewed.watched);
     let value = |(place, (_, source, format)): (usize, &(usize, Source, Option<Format>))| {
-        let value = match (format, source.address()) {
-            (Some(_), Some(address)) => Value::Bits(cpu.read(address), address.width),
-            _ => source.read(cpu, None),
+        let value = match (source.absent(cpu), format, source.address()) {
+            (Some(why), ..) => Err(why),
+            (None, Some(_), Some(address)) => Ok(Value::Bits(cpu.read(address), address.width)),
+            (None, ..) => Ok(source.read(cpu, None)),
         };
         (place, value)
     };

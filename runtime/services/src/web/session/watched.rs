@@ -89,8 +89,8 @@ pub(in crate::web) fn source(cpu: &Cpu, name: &str) -> Result<Source, String> {
     Ok(source)
 }
 
-/// A value in the format of its row.
-pub(super) fn shown(family: Family, source: &Source, format: Option<Format>, value: &Value) -> Shown {
+/// A value in the format of its row, or why there is none at present.
+pub(super) fn shown(family: Family, source: &Source, format: Option<Format>, value: &Result<Value, String>) -> Shown {
     let bits = match source {
         Source::Bits(address) => address.width.bits(),
         Source::Typed(address, ty) if typed::bits(ty.ty).is_some() => address.width.bits(),
@@ -102,8 +102,9 @@ pub(super) fn shown(family: Family, source: &Source, format: Option<Format>, val
         | Source::PulseCount(_) => 0,
     };
     let (value, text) = match (format, value) {
+        (_, Err(why)) => (serde_json::Value::Null, format!("({why})")),
         // The value stays what the type says: curves and drawings are of that.
-        (Some(format), Value::Bits(raw, width)) => {
+        (Some(format), Ok(value @ Value::Bits(raw, width))) => {
             let typed = match source {
                 Source::Typed(_, ty) => Value::of_type(ty.ty, *raw),
                 _ => value.clone(),
@@ -114,7 +115,7 @@ pub(super) fn shown(family: Family, source: &Source, format: Option<Format>, val
             };
             (typed.json(), text)
         }
-        _ => (value.json(), value.text()),
+        (_, Ok(value)) => (value.json(), value.text()),
     };
     let forcible = source.address().is_some_and(|address| force::is_forced_area(address.place, family));
     Shown { value: exact(value), text, ty: source.ty(), bits, forcible }
@@ -127,4 +128,21 @@ pub(super) fn marks(image: &ProgramImage, watched: &Watched, forced: Option<&[fo
     let is_forced =
         |source: &Source| source.address().is_some_and(|address| forced.iter().any(|one| one.covers(address, modules)));
     watched.found.iter().filter(|(_, source, _)| is_forced(source)).map(|(number, ..)| *number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use plcc_runtime::address;
+
+    use super::*;
+
+    #[test]
+    fn a_value_that_is_not_there_is_not_0() {
+        let source = Source::Bits(address::parse("DB9.DBW0").expect("an address"));
+        let why = "DB 9 is not loaded".to_string();
+        let missing = shown(Family::S7300, &source, Some(Format::Dec), &Err(why));
+        assert_eq!((missing.value, missing.text.as_str()), (serde_json::Value::Null, "(DB 9 is not loaded)"));
+        let there = shown(Family::S7300, &source, None, &Ok(Value::Bits(5, address::Width::Word)));
+        assert_eq!(there.text, "16#0005");
+    }
 }
