@@ -125,24 +125,27 @@ impl Format {
         let is_number = is(u8::is_ascii_digit);
         let is_signed =
             is_number || digits.strip_prefix(['+', '-']).is_some_and(|rest| number::decimal(rest).is_some());
-        let with = |prefix: &str, body: &str| {
-            value::parse(&format!("{prefix}#{body}"), width)
-                .map_err(|_| format!("`{text}` does not fit into {} bits", width.bits()))
+        let with = |prefix: &str, kind: &str| {
+            value::parse(&format!("{prefix}#{digits}"), width)
+                .map_err(|_| format!("`{text}` has more {kind} than {} bits hold", width.bits()))
         };
         match self {
             Format::Bool => value::parse(text, width),
-            Format::Hex if is(u8::is_ascii_hexdigit) => with("16", &digits),
+            Format::Hex if is_number => {
+                with("16", "hexadecimal digits").map_err(|why| format!("{why}; a decimal number has the format dec"))
+            }
+            Format::Hex if is(u8::is_ascii_hexdigit) => with("16", "hexadecimal digits"),
             Format::Hex => wrong("hexadecimal digits, such as 1F"),
-            Format::Bin if is(|byte| matches!(byte, b'0' | b'1')) => with("2", &digits),
+            Format::Bin if is(|byte| matches!(byte, b'0' | b'1')) => with("2", "binary digits"),
             Format::Bin => wrong("binary digits, such as 1010"),
             Format::Dec if is_signed => value::parse(text, width),
             Format::Dec => wrong("a whole number, such as -5"),
             Format::Unsigned if is_number => value::parse(text, width),
             Format::Unsigned if is_signed => Err(format!("`{text}` has a sign; the row is unsigned")),
             Format::Unsigned => wrong("a whole number, such as 5"),
-            Format::Bcd if is_number => with("16", &digits),
+            Format::Bcd if is_number => with("16", "digits"),
             Format::Bcd => wrong("decimal digits, such as 129"),
-            Format::Counter if is_number && digits.len() <= 3 => with("16", &digits),
+            Format::Counter if is_number && digits.len() <= 3 => with("16", "digits"),
             Format::Counter => wrong("a count from 0 to 999"),
             Format::Real if is_signed => value::parse(&format!("{digits}.0"), width),
             Format::Real => match value::parse(text, width) {
@@ -318,6 +321,16 @@ mod tests {
         ] {
             assert_eq!(format.parse(text, width), Ok(bits), "{text}");
         }
+    }
+
+    #[test]
+    fn digits_that_do_not_fit_are_named() {
+        let told = |format: Format, text: &str| format.parse(text, Width::Byte).unwrap_err();
+        let hint = "`255` has more hexadecimal digits than 8 bits hold; a decimal number has the format dec";
+        assert_eq!(told(Format::Hex, "255"), hint);
+        assert_eq!(told(Format::Hex, "1FF"), "`1FF` has more hexadecimal digits than 8 bits hold");
+        assert_eq!(told(Format::Bin, "1_0000_0000"), "`1_0000_0000` has more binary digits than 8 bits hold");
+        assert_eq!(told(Format::Bcd, "255"), "`255` has more digits than 8 bits hold");
     }
 
     #[test]
