@@ -226,4 +226,6 @@ fn what_a_table_refuses() {
     assert!(wrong("[[row]]\naddress = \"MB10\"\nmodify = \"256\"\nformat = \"dec\"").contains("does not fit"));
     assert!(wrong("[[row]]\naddress = \"MB10\"\nformt = \"dec\"").contains("formt"));
     assert!(wrong("[[row]]\naddress = \"T5\"\nmodify = \"1\"").contains("state of a timer"));
+    let dtl = "[[row]]\naddress = \"MB10 as DTL\"\nmodify = \"DTL#2020-01-01-00:00:00\"";
+    assert!(wrong(dtl).contains("a row cannot modify a value of type DTL"));
 }

@@ -291,7 +291,8 @@ impl Located {
             let bits = format.parse_at(text, &self.address)?;
             return self.address.check_value(bits).map(|()| bits);
         }
-        self.source.bits(&self.source.parse(text, image)?).ok_or_else(|| "a text cannot be modified".to_string())
+        let bits = self.source.bits(&self.source.parse(text, image)?);
+        bits.ok_or_else(|| format!("a row cannot modify a value of type {}", self.source.ty()))
     }
 }
 
