@@ -49,7 +49,10 @@ impl std::fmt::Debug for Broker {
 impl std::fmt::Display for Broker {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let scheme = if self.is_secure { "mqtts" } else { "mqtt" };
-        write!(f, "{scheme}://{}:{}", self.host, self.port)?;
+        match self.host.contains(':') {
+            true => write!(f, "{scheme}://[{}]:{}", self.host, self.port)?,
+            false => write!(f, "{scheme}://{}:{}", self.host, self.port)?,
+        }
         if self.prefix.is_empty() { Ok(()) } else { write!(f, "/{}", self.prefix) }
     }
 }
@@ -198,6 +201,7 @@ mod tests {
         assert_eq!(parse("mqtts://broker").unwrap().0, "mqtts://broker:8883");
         assert_eq!(parse("mqtt://10.0.0.1:1884/plant/tank/").unwrap().0, "mqtt://10.0.0.1:1884/plant/tank");
         assert_eq!(Broker::parse("mqtt://[fd00::1]:1884").unwrap().host, "fd00::1");
+        assert_eq!(parse("mqtt://[fd00::1]/plant").unwrap().0, "mqtt://[fd00::1]:1883/plant");
         assert_eq!(parse("mqtt://me:s@cret@b").unwrap().1, Some(("me".to_string(), "s@cret".to_string())));
         for (text, says) in [
             ("broker", "write mqtt://HOST"),
