@@ -37,6 +37,8 @@ value(client.write_coils(13, [True, False, True]))
 assert value(client.read_coils(8, count=8)).bits == [False, True, False, False, False, True, False, True]
 assert value(client.read_discrete_inputs(3, count=5)).bits[:5] == [False] * 5
 
+device = value(client.read_device_information(read_code=2)).information
+assert device[1].startswith(b"6ES7 315-2") and device[6] == b"line", device
 exception(client.read_holding_registers(2048, count=1), 2)
 exception(client.read_holding_registers(2000, count=100), 2)
 exception(client.write_register(65535, 1), 2)

@@ -1,5 +1,6 @@
 //! The functions: a request, and its answer or an exception.
 
+use super::identification;
 use super::memory::Map;
 use crate::s7::{ItemError, Plc};
 use crate::wire::{Bytes, put16};
@@ -125,6 +126,7 @@ fn data(function: u8, request: Bytes, map: &Map, may_write: bool, plc: &dyn Plc)
             map.holding_registers.write_registers(plc, to, registers)?;
             Ok(counted(&map.holding_registers.read_registers(plc, first, count)?))
         }
+        identification::FUNCTION => identification::read(request.0, plc),
         _ => Err(Exception::Function),
     }
 }

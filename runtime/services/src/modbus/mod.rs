@@ -7,6 +7,7 @@
 //! Source: Modbus application protocol V1.1b3; Modbus messaging on TCP/IP.
 
 mod functions;
+mod identification;
 mod memory;
 mod server;
 

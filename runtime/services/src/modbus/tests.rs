@@ -42,6 +42,37 @@ fn bits_and_registers_are_written() {
 }
 
 #[test]
+fn the_device_is_identified() {
+    let plc = Fake::new();
+    let head = |code: u8, count: u8| vec![43, 14, code, 0x82, 0, 0, count];
+    let object = |number: u8, text: &str| [&[number, text.len() as u8][..], text.as_bytes()].concat();
+    let (vendor, code) = (object(0, "plcc"), object(1, "6ES7 315-2AG10-0AB0"));
+    let (revision, program) = (object(2, env!("CARGO_PKG_VERSION")), object(6, "test"));
+    let module = object(4, "CPU 315-2 DP");
+    let basic = [head(1, 3), vendor.clone(), code.clone(), revision.clone()].concat();
+    assert_eq!(ask(&plc, &[43, 14, 1, 0]), basic);
+    assert_eq!(ask(&plc, &[43, 14, 1, 4]), basic, "an object of another kind: from the first one on");
+    assert_eq!(ask(&plc, &[43, 14, 1, 2]), [head(1, 1), revision.clone()].concat());
+    let regular = |code_asked: u8| {
+        let parts = [head(code_asked, 5), vendor.clone(), code.clone(), revision.clone(), module.clone()];
+        [parts.concat(), program.clone()].concat()
+    };
+    assert_eq!(ask(&plc, &[43, 14, 2, 0]), regular(2));
+    assert_eq!(ask(&plc, &[43, 14, 3, 0x80]), regular(3));
+    assert_eq!(ask(&plc, &[43, 14, 4, 6]), [head(4, 1), program.clone()].concat());
+    for (request, exception) in [
+        (&[43, 14, 4, 3][..], 2),
+        (&[43, 14, 5, 0], 3),
+        (&[43, 14, 1], 3),
+        (&[43, 14, 1, 0, 0], 3),
+        (&[43, 13, 1, 0], 1),
+        (&[43], 1),
+    ] {
+        assert_eq!(ask(&plc, request), [0xAB, exception], "{request:?}");
+    }
+}
+
+#[test]
 fn wrong_requests_have_exceptions() {
     let plc = Fake::new();
     for (request, exception) in [
@@ -75,7 +106,8 @@ fn a_frame_has_its_transaction() {
     assert_eq!(frame([1, 2], 7, &[3, 2, 0, 1]), [1, 2, 0, 0, 0, 5, 7, 3, 2, 0, 1]);
 }
 
-const REQUESTS: [&[u8]; 6] = [
+const REQUESTS: [&[u8]; 7] = [
+    &[43, 14, 2, 0],
     &[1, 0, 40, 0, 9],
     &[3, 0, 1, 0, 2],
     &[15, 0, 44, 0, 10, 2, 0xFF, 0x03],
@@ -96,7 +128,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_requests_do_no_harm(request in prop::collection::vec(any::<u8>(), 0..60), function in 0u8..25) {
+    fn random_requests_do_no_harm(request in prop::collection::vec(any::<u8>(), 0..60), function in 0u8..45) {
         let mut request = request;
         if let Some(first) = request.first_mut() { *first = function }
         survives(&request);
