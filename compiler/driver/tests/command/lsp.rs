@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use editor::LONGEST;
 
-pub(crate) use editor::Editor;
+pub(crate) use editor::{Edit, Editor};
 
 /// Without a check of the whole program they would be statements of STL with an error in each line.
 #[test]
@@ -32,6 +32,11 @@ fn files_without_blocks_are_not_sources() {
 
 fn labels(items: &Value) -> Vec<&str> {
     items.as_array().expect("a list").iter().filter_map(|item| item["label"].as_str()).collect()
+}
+
+/// Where edits are, as `file:line`.
+fn places(edits: &[Edit]) -> Vec<String> {
+    edits.iter().map(|edit| format!("{}:{}", edit.file, edit.line)).collect()
 }
 
 #[test]

@@ -1,24 +1,11 @@
 //! Names that an editor changes, in everything that has them.
 
-use serde_json::{Value, json};
-
 use crate::lsp::Editor;
 
 /// The edits that give the name at the `|` of a piece another one, as `file:line text`.
 fn rename(editor: &mut Editor, file: &str, piece: &str, to: &str) -> Result<Vec<String>, String> {
-    let mut params = editor.position(file, piece);
-    params["newName"] = json!(to);
-    let edits = editor.ask_or("textDocument/rename", params)?;
-    let mut texts = Vec::new();
-    for (uri, edits) in edits["changes"].as_object().expect("changes") {
-        let name = uri.rsplit('/').next().unwrap_or_default();
-        let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
-        let text = |edit: &Value| edit["newText"].as_str().expect("a text").to_owned();
-        let edits = edits.as_array().expect("a list").iter();
-        texts.extend(edits.map(|edit| format!("{name}:{:02} {}", line(edit), text(edit))));
-    }
-    texts.sort();
-    Ok(texts)
+    let edits = editor.rename(file, piece, to)?;
+    Ok(edits.iter().map(|edit| format!("{}:{:02} {}", edit.file, edit.line, edit.text)).collect())
 }
 
 #[test]

@@ -21,6 +21,14 @@ pub(crate) struct Editor {
     texts: HashMap<String, String>,
 }
 
+/// What a new name changes in one place.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Edit {
+    pub(crate) file: String,
+    pub(crate) line: u64,
+    pub(crate) text: String,
+}
+
 impl Editor {
     /// An editor with a copy of a folder of tests/lsp.
     pub(crate) fn new(name: &str) -> Editor {
@@ -55,7 +63,7 @@ impl Editor {
         self.ask_or(method, params).unwrap_or_else(|error| panic!("{method}: {error}"))
     }
 
-    pub(crate) fn ask_or(&mut self, method: &str, params: Value) -> Result<Value, String> {
+    pub(super) fn ask_or(&mut self, method: &str, params: Value) -> Result<Value, String> {
         self.next += 1;
         let id = RequestId::from(self.next);
         let request = Request::new(id.clone(), method.to_owned(), params);
@@ -110,7 +118,7 @@ impl Editor {
         self.ask(method, params)
     }
 
-    pub(crate) fn position(&self, file: &str, piece: &str) -> Value {
+    pub(super) fn position(&self, file: &str, piece: &str) -> Value {
         let before = piece.find('|').expect("a bar marks the place");
         let piece = piece.replace('|', "");
         let start = self.texts[file].find(&piece).unwrap_or_else(|| panic!("{piece} is in {file}"));
@@ -119,6 +127,24 @@ impl Editor {
             "position": self.place(file, start + before),
             "context": { "includeDeclaration": true, "triggerKind": 1, "isRetrigger": false },
         })
+    }
+
+    /// The edits that give the name at the `|` of a piece another one, in order, or why it has no other.
+    pub(crate) fn rename(&mut self, file: &str, piece: &str, to: &str) -> Result<Vec<Edit>, String> {
+        let mut params = self.position(file, piece);
+        params["newName"] = json!(to);
+        let answer = self.ask_or("textDocument/rename", params)?;
+        let mut found = Vec::new();
+        for (uri, edits) in answer["changes"].as_object().expect("changes") {
+            let file = uri.rsplit('/').next().unwrap_or_default();
+            found.extend(edits.as_array().expect("a list").iter().map(|edit| Edit {
+                file: file.to_owned(),
+                line: edit["range"]["start"]["line"].as_u64().expect("a line") + 1,
+                text: edit["newText"].as_str().expect("a text").to_owned(),
+            }));
+        }
+        found.sort();
+        Ok(found)
     }
 
     /// The next messages about a file, as `CODE line`.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Editor, labels};
+use super::{Editor, labels, places};
 
 #[test]
 fn constants_and_labels_of_scl_are_names() {
@@ -39,13 +39,7 @@ fn constants_and_labels_of_scl_are_names() {
         let found = editor.at("textDocument/references", "press.scl", piece);
         assert_eq!(editor.covered(&found), places);
     }
-    let mut rename = |piece: &str, to: &str| {
-        let mut params = editor.position("press.scl", piece);
-        params["newName"] = json!(to);
-        let edits = editor.ask_or("textDocument/rename", params)?;
-        let files = edits["changes"].as_object().expect("changes");
-        Ok::<_, String>(files.values().map(|edits| edits.as_array().expect("a list").len()).sum::<usize>())
-    };
+    let mut rename = |piece: &str, to: &str| editor.rename("press.scl", piece, to).map(|edits| edits.len());
     assert_eq!(rename("  LI|MIT : Int", "BOUND"), Ok(4));
     assert_eq!(rename("> STRO|KES;", "HITS"), Ok(3));
     assert_eq!(rename("  ag|ain:", "back"), Ok(2));
@@ -98,12 +92,8 @@ fn steps_and_blocks_of_the_library_are_known() {
     let parts = symbols[0]["children"].as_array().expect("a list");
     let names: Vec<&str> = parts.iter().filter_map(|one| one["name"].as_str()).collect();
     assert_eq!(names, ["Request", "Closed", "Opening", "Ask", "Opened"]);
-    let mut rename = |file: &str, piece: &str| {
-        let mut params = editor.position(file, piece);
-        params["newName"] = json!("Other");
-        editor.ask_or("textDocument/rename", params)
-    };
-    assert!(rename("main.stl", "CALL  \"SC|ALE\"").expect_err("it is not ours").contains("library"));
+    let refused = editor.rename("main.stl", "CALL  \"SC|ALE\"", "Other").expect_err("it is not ours");
+    assert!(refused.contains("library"), "{refused}");
 }
 
 #[test]
@@ -147,26 +137,14 @@ fn names_of_an_s7_200_are_known() {
     assert_eq!(uses("A      V10|1.2"), ["main.awl:7 V101.2", "main.awl:8 Level", "symbols.txt:2 Level"]);
     assert_eq!(uses("R      Pu|mp"), ["main.awl:8 Pump", "main.awl:32 Pump", "symbols.txt:3 Pump"]);
     assert_eq!(uses("LBL    |3"), ["main.awl:6 3", "main.awl:10 3"]);
-    let mut rename = |piece: &str, to: &str| {
-        let mut params = editor.position("main.awl", piece);
-        params["newName"] = json!(to);
-        let edits = editor.ask_or("textDocument/rename", params)?;
-        let mut texts = Vec::new();
-        for (uri, edits) in edits["changes"].as_object().expect("changes") {
-            let name = uri.rsplit('/').next().unwrap_or_default();
-            let range = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
-            texts.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", range(edit))));
-        }
-        texts.sort();
-        Ok::<_, String>(texts)
-    };
+    let mut rename = |piece: &str, to: &str| editor.rename("main.awl", piece, to).map(|edits| places(&edits));
     let lines = |names: &[&str]| Ok(names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
     assert_eq!(rename("LDW<   #n|ow", "level"), lines(&["main.awl:17", "main.awl:24", "main.awl:26"]));
     assert_eq!(
         rename("R      Pu|mp", "Valve"),
-        lines(&["main.awl:32", "main.awl:8", "main.scenario.toml:3", "symbols.txt:3"])
+        lines(&["main.awl:8", "main.awl:32", "main.scenario.toml:3", "symbols.txt:3"])
     );
-    assert_eq!(rename("CALL   Fi|ll", "Top_up"), lines(&["main.awl:14", "main.awl:8"]));
+    assert_eq!(rename("CALL   Fi|ll", "Top_up"), lines(&["main.awl:8", "main.awl:14"]));
     assert!(rename("R      Pu|mp", "Level").expect_err("it is taken").contains("already"));
     assert!(rename("R      Pu|mp", "VW8").expect_err("it is an address").contains("address"));
     assert!(rename("LBL    |3", "x").is_err());

@@ -1,8 +1,13 @@
 //! Where names are declared and used, and what changes with them.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{Editor, labels};
+use super::{Edit, Editor, labels, places};
+
+/// The places where the name at the `|` of a piece gets another one, as `file:line`.
+fn renamed(editor: &mut Editor, file: &str, piece: &str) -> Vec<String> {
+    places(&editor.rename(file, piece, "Other").expect("it can change"))
+}
 
 #[test]
 fn declarations_and_uses_are_found() {
@@ -29,23 +34,13 @@ fn names_change_everywhere() {
     editor.open("main.stl");
     editor.open("motor.scl");
     editor.messages("motor.scl");
-    let mut rename = |piece: &str, to: &str| {
-        let mut params = editor.position("main.stl", piece);
-        params["newName"] = json!(to);
-        let edits = editor.ask_or("textDocument/rename", params)?;
-        let mut texts = Vec::new();
-        for (uri, edits) in edits["changes"].as_object().expect("changes") {
-            let name = uri.rsplit('/').next().unwrap_or_default();
-            texts.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name} {}", edit["newText"])));
-        }
-        texts.sort();
-        Ok::<_, String>(texts)
-    };
-    assert_eq!(rename("JC    fu|ll", "over"), Ok(vec!["main.stl \"over\"".to_owned(); 2]));
+    let mut rename = |piece: &str, to: &str| editor.rename("main.stl", piece, to);
+    let over = |line: u64| Edit { file: "main.stl".to_owned(), line, text: "over".to_owned() };
+    assert_eq!(rename("JC    fu|ll", "over"), Ok(vec![over(22), over(24)]));
     assert_eq!(rename("L     #le|vel", "height").map(|edits| edits.len()), Ok(3));
     let motor = rename("CALL  \"Mo|tor\"", "Pump").expect("it can change");
-    assert!(motor.contains(&"motor.scl \"\\\"Pump\\\"\"".to_owned()), "{motor:?}");
-    assert!(motor.iter().any(|edit| edit.starts_with("symbols.sdf \"Pump  ")), "{motor:?}");
+    assert!(motor.iter().any(|edit| edit.file == "motor.scl" && edit.text == "\"Pump\""), "{motor:?}");
+    assert!(motor.iter().any(|edit| edit.file == "symbols.sdf" && edit.text.starts_with("Pump  ")), "{motor:?}");
     assert!(rename("L     #le|vel", "limit").expect_err("it is taken").contains("already"));
     assert!(rename("level := M|W 10", "x").is_err());
 }
@@ -59,20 +54,6 @@ fn a_name_is_changed_only_where_it_is_meant() {
         editor.open(file);
     }
     assert_eq!(editor.messages("list.stl"), Vec::<String>::new());
-    let mut lines = |file: &str, piece: &str| {
-        let mut params = editor.position(file, piece);
-        params["newName"] = json!("Other");
-        let edits = editor.ask("textDocument/rename", params);
-        let mut found = Vec::new();
-        for (uri, edits) in edits["changes"].as_object().expect("changes") {
-            let name = uri.rsplit('/').next().unwrap_or_default();
-            let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
-            found.extend(edits.as_array().expect("a list").iter().map(|edit| (name.to_owned(), line(edit))));
-        }
-        found.sort();
-        let words: Vec<String> = found.into_iter().map(|(name, line)| format!("{name}:{line}")).collect();
-        words.join(" ")
-    };
     for (file, piece, wanted) in [
         ("line.scl", "TYPE \"Pa|ir\"", "line.scl:2 line.scl:10 line.scl:15 line.scl:35 line.scl:36"),
         ("line.scl", "DATA_BLOCK \"Pa|ir\"", "line.scl:9 line.scl:57"),
@@ -106,7 +87,7 @@ fn a_name_is_changed_only_where_it_is_meant() {
         ("list.stl", "|p : ANY", "line.scl:57 list.stl:4 list.stl:15"),
         ("list.stl", "|d : INT", "line.scl:57 list.stl:5 list.stl:12"),
     ] {
-        assert_eq!(lines(file, piece), wanted, "{piece}");
+        assert_eq!(renamed(&mut editor, file, piece).join(" "), wanted, "{piece}");
     }
     // A word that is not a name of the block tells what it is.
     let hover = editor.at("textDocument/hover", "list.stl", "|T     #result");
@@ -124,40 +105,27 @@ fn a_name_is_changed_only_where_it_is_meant() {
 
 #[test]
 fn a_table_in_an_editor_is_part_of_the_program() {
-    let lines = |editor: &mut Editor, file: &str, piece: &str| {
-        let mut params = editor.position(file, piece);
-        params["newName"] = json!("Other");
-        let edits = editor.ask("textDocument/rename", params);
-        let mut found = Vec::new();
-        for (uri, edits) in edits["changes"].as_object().expect("changes") {
-            let name = uri.rsplit('/').next().unwrap_or_default();
-            let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
-            found.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", line(edit))));
-        }
-        found.sort();
-        found
-    };
     // The name has the same places wherever the cursor is, and an open table is not reported as a source.
     let mut editor = Editor::new("wash");
     editor.open("main.awl");
     editor.messages("main.awl");
-    let places = ["main.awl:32", "main.awl:8", "main.scenario.toml:3", "symbols.txt:3"];
+    let places = ["main.awl:8", "main.awl:32", "main.scenario.toml:3", "symbols.txt:3"];
     editor.open("symbols.txt");
     assert_eq!(editor.messages("symbols.txt"), Vec::<String>::new());
-    assert_eq!(lines(&mut editor, "symbols.txt", "Pu|mp"), places);
+    assert_eq!(renamed(&mut editor, "symbols.txt", "Pu|mp"), places);
     // Also in settings that were just opened, or changed.
     editor.open("main.scenario.toml");
-    assert_eq!(lines(&mut editor, "main.awl", "R      Pu|mp"), places);
+    assert_eq!(renamed(&mut editor, "main.awl", "R      Pu|mp"), places);
     editor.edit("main.scenario.toml", "[", "\n[");
-    let places = ["main.awl:32", "main.awl:8", "main.scenario.toml:4", "symbols.txt:3"];
-    assert_eq!(lines(&mut editor, "main.awl", "R      Pu|mp"), places);
+    let places = ["main.awl:8", "main.awl:32", "main.scenario.toml:4", "symbols.txt:3"];
+    assert_eq!(renamed(&mut editor, "main.awl", "R      Pu|mp"), places);
     let mut editor = Editor::new("plant");
     editor.open("symbols.sdf");
     assert_eq!(
-        lines(&mut editor, "symbols.sdf", "Mo|tor"),
+        renamed(&mut editor, "symbols.sdf", "Mo|tor"),
         ["main.stl:3", "main.stl:33", "motor.scl:1", "symbols.sdf:3"]
     );
-    assert_eq!(lines(&mut editor, "symbols.sdf", "La|mp"), ["main.stl:37", "symbols.sdf:2"]);
+    assert_eq!(renamed(&mut editor, "symbols.sdf", "La|mp"), ["main.stl:37", "symbols.sdf:2"]);
     let found = editor.at("textDocument/references", "symbols.sdf", "La|mp");
     assert_eq!(editor.covered(&found), ["main.stl:37 \"Lamp\"", "symbols.sdf:2 Lamp"]);
     let found = editor.at("textDocument/hover", "symbols.sdf", "La|mp");
@@ -167,7 +135,7 @@ fn a_table_in_an_editor_is_part_of_the_program() {
     let mut editor = Editor::new("press");
     editor.open("tags.xml");
     assert_eq!(editor.messages("tags.xml"), Vec::<String>::new());
-    assert_eq!(lines(&mut editor, "tags.xml", "STRO|KES"), ["press.scl:21", "press.scl:24", "tags.xml:4"]);
+    assert_eq!(renamed(&mut editor, "tags.xml", "STRO|KES"), ["press.scl:21", "press.scl:24", "tags.xml:4"]);
 }
 
 /// Its name changes in its table and where it is used; `Bool` in a declaration stays the type.
@@ -176,17 +144,8 @@ fn a_tag_may_have_the_name_of_a_type() {
     let mut editor = Editor::new("tags");
     editor.open("main.scl");
     assert_eq!(editor.messages("main.scl"), Vec::<String>::new());
-    let mut params = editor.position("main.scl", "\"Bo|ol\" := NOT");
-    params["newName"] = json!("Flag");
-    let edits = editor.ask("textDocument/rename", params);
-    let mut found = Vec::new();
-    for (uri, edits) in edits["changes"].as_object().expect("changes") {
-        let name = uri.rsplit('/').next().unwrap_or_default();
-        let line = |edit: &Value| edit["range"]["start"]["line"].as_u64().expect("a line") + 1;
-        found.extend(edits.as_array().expect("a list").iter().map(|edit| format!("{name}:{}", line(edit))));
-    }
-    found.sort();
-    assert_eq!(found, ["main.scl:10", "main.scl:7", "main.scl:9", "tags.xml:3"]);
+    let found = renamed(&mut editor, "main.scl", "\"Bo|ol\" := NOT");
+    assert_eq!(found, ["main.scl:7", "main.scl:9", "main.scl:10", "tags.xml:3"]);
 }
 
 /// All of a name in quotes, and not only the word under the cursor; what has no other name says so before one is typed.
@@ -216,13 +175,9 @@ fn a_table_in_xml_writes_some_signs_of_a_name_in_another_way() {
     assert_eq!(editor.messages("main.scl"), Vec::<String>::new());
     let found = editor.at("textDocument/references", "main.scl", "\"up| & down\"");
     assert_eq!(editor.covered(&found), ["main.scl:10 \"up & down\"", "tags.xml:4 up &amp; down"]);
-    let mut params = editor.position("main.scl", "\"up| & down\"");
-    params["newName"] = json!("left & right");
-    let edits = editor.ask("textDocument/rename", params);
-    let texts = edits["changes"].as_object().expect("changes").values().flat_map(|edits| edits.as_array().cloned());
-    let mut texts: Vec<Value> = texts.flatten().map(|edit| edit["newText"].clone()).collect();
-    texts.sort_by_key(Value::to_string);
-    assert_eq!(texts, [json!("\"left & right\""), json!("left &amp; right")]);
+    let edits = editor.rename("main.scl", "\"up| & down\"", "left & right").expect("it can change");
+    let texts: Vec<&str> = edits.iter().map(|edit| edit.text.as_str()).collect();
+    assert_eq!(texts, ["\"left & right\"", "left &amp; right"]);
 }
 
 /// Also right after the file was opened, when the others are not read yet.
