@@ -1,9 +1,8 @@
 //! Start values, instances and attributes of blocks.
 
-use std::fs;
 use std::path::Path;
 
-use super::{plcc, text};
+use super::{done, expect_passed, folder_with, plcc, read, text};
 
 /// Arrays in an array, whose elements have all indices in XML.
 #[test]
@@ -33,15 +32,10 @@ BEGIN
   "Rows_DB"();
 END_ORGANIZATION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
+    let folder = folder_with(&[("a.scl", SCL)]);
     for (from, to, made) in [("a.scl", "xml", "a.xml"), ("a.xml", "scl", "b.scl")] {
-        let written = plcc(folder, &["convert", from, "--to", to, "-o", made]);
-        assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
-        let tested = plcc(folder, &["test", made, "--cpu", "s7-1500"]);
-        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(found.contains("6 passed, 0 failed"), "{made}: {found}");
+        done(&folder, &["convert", from, "--to", to, "-o", made]);
+        expect_passed(&folder, &[made, "--cpu", "s7-1500"], 6);
     }
 }
 
@@ -52,14 +46,10 @@ fn arrays_of_structures_have_gaps() {
         .join("../../tests/run/scl/language/start_value_parentheses.scl")
         .display()
         .to_string();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
+    let folder = folder_with(&[]);
     for (from, to, made) in [(source.as_str(), "xml", "a.xml"), ("a.xml", "scl", "b.scl"), ("a.xml", "sd", "b.s7dcl")] {
-        let written = plcc(folder, &["convert", from, "--to", to, "-o", made]);
-        assert_eq!(written.status.code(), Some(0), "{made}: {}", text(&written.stderr));
-        let tested = plcc(folder, &["test", made]);
-        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(found.contains("13 passed, 0 failed"), "{made}: {found}");
+        done(&folder, &["convert", from, "--to", to, "-o", made]);
+        expect_passed(&folder, &[made], 13);
     }
 }
 
@@ -67,13 +57,9 @@ fn arrays_of_structures_have_gaps() {
 #[test]
 fn values_that_stay_are_none_in_xml() {
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/data/structure_start_values.stl");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &list.display().to_string(), "--to", "xml", "-o", "a.xml"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.xml"]);
-    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(found.contains("7 passed, 0 failed"), "{found}");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &list.display().to_string(), "--to", "xml", "-o", "a.xml"]);
+    expect_passed(&folder, &["a.xml"], 7);
 }
 
 /// The type of a data block in quotes may still be one of the system.
@@ -86,10 +72,8 @@ DATA_BLOCK "Pause" "IEC_TIMER"
 BEGIN
 END_DATA_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
-    let written = plcc(folder, &["convert", "a.scl", "--to", "xml"]);
+    let folder = folder_with(&[("a.scl", SCL)]);
+    let written = plcc(&folder, &["convert", "a.scl", "--to", "xml"]);
     let document = text(&written.stdout);
     for name in ["TON_TIME", "IEC_TIMER"] {
         let wanted = format!("<OfSystemLibElement>{name}</OfSystemLibElement>");
@@ -117,14 +101,9 @@ BEGIN
   //@ assert "Pause".Q == 1
 END_ORGANIZATION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
-    let written = plcc(folder, &["convert", "a.scl", "--to", "plcopen", "-o", "a.xml"]);
-    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
-    let tested = plcc(folder, &["test", "a.xml"]);
-    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(found.contains("2 passed, 0 failed"), "{found}");
+    let folder = folder_with(&[("a.scl", SCL)]);
+    done(&folder, &["convert", "a.scl", "--to", "plcopen", "-o", "a.xml"]);
+    expect_passed(&folder, &["a.xml"], 2);
 }
 
 /// The check of types by IEC 61131-3, with which a BYTE is no INT.
@@ -142,14 +121,11 @@ BEGIN
   #i := BYTE_TO_INT(#b);
 END_FUNCTION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
-    let written = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
-    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    let folder = folder_with(&[("a.scl", SCL)]);
+    let written = done(&folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
     assert!(written.stderr.is_empty(), "{}", text(&written.stderr));
-    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    let document = read(&folder, "a.xml");
     assert!(document.contains("<IsIECCheckEnabled>true</IsIECCheckEnabled>"), "{document}");
-    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    let back = text(&plcc(&folder, &["convert", "a.xml", "--to", "scl"]).stdout);
     assert!(back.contains("S7_IECCheck := 'TRUE'"), "{back}");
 }

@@ -3,21 +3,18 @@
 use std::fs;
 use std::path::Path;
 
-use super::{expect, plcc, programs, text};
+use super::{done, expect, expect_passed, folder_with, plcc, programs, read, text};
 
 /// A function of a project has its result at a pin with its own name.
 #[test]
 fn results_of_functions_of_projects_are_ret_val() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/result-by-name");
     let project = project.display().to_string();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &project, "--to", "stl", "-o", "made/", "--cpu", "s7-1500"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let list = fs::read_to_string(folder.join("made/project.stl")).expect("it is written");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &project, "--to", "stl", "-o", "made/", "--cpu", "s7-1500"]);
+    let list = read(&folder, "made/project.stl");
     assert!(list.contains("RET_VAL :="), "{list}");
-    let checked = plcc(folder, &["check", "made", "--cpu", "s7-1500"]);
-    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    done(&folder, &["check", "made", "--cpu", "s7-1500"]);
 }
 
 /// `S` of an instruction list assigns TRUE: what is made of a project is not what stands at its places.
@@ -25,14 +22,11 @@ fn results_of_functions_of_projects_are_ret_val() {
 fn instruction_lists_of_projects_become_xml() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/instruction-list");
     let project = project.display().to_string();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &project, "--to", "xml", "-o", "made/"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let document = fs::read_to_string(folder.join("made/project.xml")).expect("it is written");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &project, "--to", "xml", "-o", "made/"]);
+    let document = read(&folder, "made/project.xml");
     assert!(document.contains("<ConstantValue>TRUE</ConstantValue>") && !document.contains("Text=\"S\""), "{document}");
-    let checked = plcc(folder, &["check", "made"]);
-    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    done(&folder, &["check", "made"]);
 }
 
 /// A project of another editor names no CPU. What is made of it names none either, and so computes with bit strings as it does.
@@ -41,14 +35,11 @@ fn projects_without_a_cpu_stay_without_one() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/bit-strings");
     let project = project.display().to_string();
     for notation in ["sd", "scl", "xml"] {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let folder = folder.path();
-        let made = plcc(folder, &["convert", &project, "--to", notation, "-o", "made/"]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it is written");
+        let folder = folder_with(&[]);
+        done(&folder, &["convert", &project, "--to", notation, "-o", "made/"]);
+        let settings = read(&folder, "made/plc.toml");
         assert_eq!(settings, "name = \"bit-strings\"\n", "{notation}");
-        let checked = plcc(folder, &["check", "made"]);
-        assert_eq!(checked.status.code(), Some(0), "{notation}: {}", text(&checked.stderr));
+        done(&folder, &["check", "made"]);
     }
 }
 
@@ -66,16 +57,11 @@ BEGIN
   #i := #i + #b;
 END_FUNCTION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::create_dir(folder.join("sources")).expect("the folder can be written");
-    fs::write(folder.join("sources/a.scl"), SCL).expect("the folder can be written");
+    let folder = folder_with(&[("sources/a.scl", SCL)]);
     for notation in ["xml", "sd"] {
-        let made = plcc(folder, &["convert", "sources", "--to", notation, "-o", &format!("{notation}/")]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        assert!(!folder.join(notation).join("plc.toml").exists(), "{notation}");
-        let checked = plcc(folder, &["check", notation]);
-        assert_eq!(checked.status.code(), Some(0), "{notation}: {}", text(&checked.stderr));
+        done(&folder, &["convert", "sources", "--to", notation, "-o", &format!("{notation}/")]);
+        assert!(!folder.path().join(notation).join("plc.toml").exists(), "{notation}");
+        done(&folder, &["check", notation]);
     }
 }
 
@@ -92,12 +78,9 @@ BEGIN
   "Pause".TP(IN := TRUE, PT := T#1h);
 END_ORGANIZATION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.scl"), SCL).expect("the folder can be written");
+    let folder = folder_with(&[("a.scl", SCL)]);
     for arguments in [["--to", "plcopen", "-o", "a.xml"].as_slice(), &["--absolute", "-o", "b.scl"]] {
-        let made = plcc(folder, &[&["convert", "a.scl"][..], arguments].concat());
-        assert_eq!(made.status.code(), Some(0), "{arguments:?}: {}", text(&made.stderr));
+        done(&folder, &[&["convert", "a.scl"][..], arguments].concat());
     }
 }
 
@@ -108,40 +91,30 @@ fn comments_of_charts_of_projects_stay() {
     let source = fs::read_to_string(project).expect("a test file");
     let changed = source.replace("ValveB := DoseB.X;", "(* open it *)\nValveB := DoseB.X; // while dosing\n");
     assert_ne!(changed, source);
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.xml"), changed).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.xml", "--to", "gr7", "-o", "made/"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let chart = fs::read_to_string(folder.join("made/a.gr7")).expect("it is written");
+    let folder = folder_with(&[("a.xml", &changed)]);
+    done(&folder, &["convert", "a.xml", "--to", "gr7", "-o", "made/"]);
+    let chart = read(&folder, "made/a.gr7");
     assert!(chart.contains("(* open it *)") && chart.contains("// while dosing"), "{chart}");
-    let checked = plcc(folder, &["check", "made"]);
-    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    done(&folder, &["check", "made"]);
 }
 
 /// A quote in a text, which XML writes as `&apos;`.
 #[test]
 fn texts_with_quotes_come_back_from_projects() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "FUNCTION \"F\" : Void\nVAR_TEMP\n  t : String[20];\nEND_VAR\nBEGIN\n  \
                   #t := CONCAT(IN1 := 'It$'s ', IN2 := 'on');\nEND_FUNCTION\n";
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "plcopen", "--cpu", "1511-1", "-o", "a.xml"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    let folder = folder_with(&[("a.scl", source)]);
+    done(&folder, &["convert", "a.scl", "--to", "plcopen", "--cpu", "1511-1", "-o", "a.xml"]);
+    let back = text(&plcc(&folder, &["convert", "a.xml", "--to", "scl"]).stdout);
     assert!(back.contains("CONCAT(IN1 := 'It$'s ', IN2 := 'on')"), "{back}");
 }
 
 /// A STRING holds 254 characters, and fewer in the editors that read the project.
 #[test]
 fn texts_without_a_length_get_theirs_in_projects() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "FUNCTION_BLOCK \"F\"\nVAR\n  t : String;\nEND_VAR\nBEGIN\n  #t := 'on';\nEND_FUNCTION_BLOCK\n";
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "plcopen", "--cpu", "1511-1"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let folder = folder_with(&[("a.scl", source)]);
+    let made = done(&folder, &["convert", "a.scl", "--to", "plcopen", "--cpu", "1511-1"]);
     assert!(text(&made.stdout).contains("<string length=\"254\"/>"), "{}", text(&made.stdout));
 }
 
@@ -153,7 +126,7 @@ fn a_program_becomes_one_project_of_plcopen() {
 
 #[test]
 fn what_plcopen_does_not_have_is_refused_with_its_line() {
-    let output = plcc(&programs(), &["convert", "startup.scl", "--to", "plcopen"]);
+    let output = plcc(programs(), &["convert", "startup.scl", "--to", "plcopen"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(output.stdout.is_empty(), "nothing is written");
     let path = programs().join("startup.plcopen");
@@ -167,10 +140,9 @@ fn what_plcopen_does_not_have_is_refused_with_its_line() {
 /// Blocks in ST with their comments, and beside them the variables that have addresses; other languages are left out.
 #[test]
 fn st_of_plcopen_becomes_scl() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder_with(&[]);
     let output = folder.path().join("bottles.scl");
-    let written = plcc(&programs(), &["convert", "bottles.xml", "--to", "scl", "-o", &output.to_string_lossy()]);
-    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    let written = done(programs(), &["convert", "bottles.xml", "--to", "scl", "-o", &output.to_string_lossy()]);
     let read = |path: &Path| fs::read_to_string(path).expect("plcc has written it");
     let found = format!("{}{}{}", text(&written.stderr), read(&output), read(&output.with_extension("sdf")));
     let path = programs().join("bottles.scl.expected");
@@ -178,7 +150,7 @@ fn st_of_plcopen_becomes_scl() {
         fs::write(&path, &found).expect("the tree can be written");
     }
     assert_eq!(found, fs::read_to_string(&path).unwrap_or_default(), "UPDATE_EXPECT=1 renews it; read the diff");
-    let printed = plcc(&programs(), &["convert", "bottles.xml", "--to", "scl"]);
+    let printed = plcc(programs(), &["convert", "bottles.xml", "--to", "scl"]);
     assert_eq!(printed.status.code(), Some(2));
     assert!(text(&printed.stderr).contains("(`.sdf`): name the output with `-o`"), "{}", text(&printed.stderr));
 }
@@ -201,11 +173,9 @@ n := n + STEP_OF_N; // one more
   <instances><configurations><configuration name="c"><resource name="r"><globalVars constant="true"><variable name="STEP_OF_N"><type><INT/></type><initialValue><simpleValue value="2"/></initialValue></variable></globalVars></resource></configuration></configurations></instances>
 </project>
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.xml"), PROJECT).expect("the folder can be written");
+    let folder = folder_with(&[("a.xml", PROJECT)]);
     for (to, code) in [("scl", "BEGIN"), ("xml", "<StructuredText")] {
-        let made = plcc(folder, &["convert", "a.xml", "--to", to, "--cpu", "s7-1500"]);
+        let made = plcc(&folder, &["convert", "a.xml", "--to", to, "--cpu", "s7-1500"]);
         let found = text(&made.stdout);
         let (declared, code) = found.split_once(code).unwrap_or_else(|| panic!("{found}{}", text(&made.stderr)));
         assert!(declared.contains("STEP_OF_N") && !declared.contains("one more"), "{found}");
@@ -231,10 +201,8 @@ n := n + 1; // one more
   <instances><configurations/></instances>
 </project>
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.xml"), PROJECT).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.xml", "--to", "stl", "--cpu", "s7-1500"]);
+    let folder = folder_with(&[("a.xml", PROJECT)]);
+    let made = plcc(&folder, &["convert", "a.xml", "--to", "stl", "--cpu", "s7-1500"]);
     let list = text(&made.stdout);
     assert!(list.contains("// begin\n") && list.contains("// one more\n"), "{list}{}", text(&made.stderr));
 }
@@ -244,23 +212,20 @@ n := n + 1; // one more
 fn assertions_of_projects_reach_statements() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/flip-flops/project.xml");
     let project = project.display().to_string();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &project, "--to", "stl", "--cpu", "s7-1500", "-o", "a.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &project, "--to", "stl", "--cpu", "s7-1500", "-o", "a.stl"]);
     let count = fs::read_to_string(project).expect("a test file").matches("//@ assert").count();
-    let list = fs::read_to_string(folder.join("a.stl")).expect("it is written");
+    let list = read(&folder, "a.stl");
     assert_eq!(list.matches("//@ assert").count(), count, "{list}");
-    let tested = plcc(folder, &["test", "a.stl", "--cpu", "s7-1500"]);
-    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+    done(&folder, &["test", "a.stl", "--cpu", "s7-1500"]);
 }
 
 /// The organization block that calls a program has its place in the file, and is not the program.
 #[test]
 fn programs_of_projects_do_not_call_themselves() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/flip-flops/project.xml");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "stl", "-o", "a.stl"]);
+    let folder = folder_with(&[]);
+    let made = plcc(&folder, &["convert", &project.to_string_lossy(), "--to", "stl", "-o", "a.stl"]);
     let said = text(&made.stderr);
     let Ok(list) = fs::read_to_string(folder.path().join("a.stl")) else { panic!("{said}") };
     assert_eq!(list.matches("CALL  \"Main\", \"Main_DB\"").count(), 1, "{list}");
@@ -294,10 +259,8 @@ fn outputs_of_calls_with_several_connections_are_refused() {
   <instances><configurations/></instances>
 </project>
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.xml"), PROJECT).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.xml", "--to", "stl", "--cpu", "s7-1500"]);
+    let folder = folder_with(&[("a.xml", PROJECT)]);
+    let made = plcc(&folder, &["convert", "a.xml", "--to", "stl", "--cpu", "s7-1500"]);
     let said = text(&made.stderr);
     assert_eq!(made.status.code(), Some(3), "{said}");
     assert!(said.contains("the output `q` of a call with several connections"), "{said}");
@@ -307,8 +270,8 @@ fn outputs_of_calls_with_several_connections_are_refused() {
 #[test]
 fn outputs_with_several_connections_are_refused() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/wires/project.xml");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "sd", "-o", "a.s7dcl"]);
+    let folder = folder_with(&[]);
+    let made = plcc(&folder, &["convert", &project.to_string_lossy(), "--to", "sd", "-o", "a.s7dcl"]);
     let said = text(&made.stderr);
     assert_eq!(made.status.code(), Some(3), "{said}");
     assert!(said.contains("the output `out` with several connections, of which a document has one"), "{said}");
@@ -318,10 +281,9 @@ fn outputs_with_several_connections_are_refused() {
 #[test]
 fn a_flow_and_a_variable_at_one_output_are_written() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/languages/project.xml");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "sd", "-o", "a.s7dcl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let document = fs::read_to_string(folder.path().join("a.s7dcl")).expect("the document is there");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &project.to_string_lossy(), "--to", "sd", "-o", "a.s7dcl"]);
+    let document = read(&folder, "a.s7dcl");
     assert!(document.contains("A( in2 := NOT #off, out => #held )  Coil( #loop_1 )"), "{document}");
 }
 
@@ -329,8 +291,8 @@ fn a_flow_and_a_variable_at_one_output_are_written() {
 #[test]
 fn blocks_that_others_use_are_named() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/first-steps/project.xml");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let made = plcc(folder.path(), &["convert", &project.to_string_lossy(), "--to", "scl", "-o", "a.scl"]);
+    let folder = folder_with(&[]);
+    let made = plcc(&folder, &["convert", &project.to_string_lossy(), "--to", "scl", "-o", "a.scl"]);
     let said = text(&made.stderr);
     assert_eq!(made.status.code(), Some(0), "{said}");
     assert!(said.contains("\"CounterLD\" is not in SCL, and others use it"), "{said}");
@@ -340,19 +302,15 @@ fn blocks_that_others_use_are_named() {
 #[test]
 fn st_of_plcopen_does_the_same_as_scl() {
     for (name, assertions) in [("words", 25), ("instruction-list", 11)] {
-        let folder = tempfile::tempdir().expect("a temporary folder");
         let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen").join(name);
         let settings = fs::read_to_string(project.join("plc.toml")).expect("it is there");
         let settings = settings.replace("project.xml", "project.scl");
-        fs::write(folder.path().join("plc.toml"), settings).expect("the folder can be written");
+        let folder = folder_with(&[("plc.toml", &settings)]);
         let (from, to) = (project.join("project.xml"), folder.path().join("project.scl"));
         let arguments =
             ["convert", &from.to_string_lossy(), "--to", "scl", "-o", &to.to_string_lossy()].map(String::from);
-        let written = plcc(folder.path(), &arguments.each_ref().map(String::as_str));
-        assert_eq!(written.status.code(), Some(0), "{name}: {}", text(&written.stderr));
-        let tested = plcc(folder.path(), &["test", "."]);
-        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(said.contains(&format!("{assertions} passed, 0 failed")), "{name}: {said}");
+        done(&folder, &arguments.each_ref().map(String::as_str));
+        expect_passed(&folder, &["."], assertions);
     }
 }
 
@@ -361,17 +319,14 @@ fn st_of_plcopen_does_the_same_as_scl() {
 fn a_variable_that_is_left_out_is_told_once() {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen/addresses-apart/project.xml");
     let project = project.display().to_string();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let made = plcc(folder.path(), &["convert", &project, "--to", "scl", "-o", "made.scl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let folder = folder_with(&[]);
+    let made = done(&folder, &["convert", &project, "--to", "scl", "-o", "made.scl"]);
     assert_eq!(text(&made.stderr).matches("no address of 64 bits").count(), 1, "{}", text(&made.stderr));
 }
 
 /// A project of ST and LD with a task: the task calls its instance in SCL.
 #[test]
 fn projects_of_networks_and_st_become_documents() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let project = r#"<?xml version="1.0" encoding="utf-8"?>
 <project xmlns="http://www.plcopen.org/xml/tc6_0201">
   <fileHeader companyName="x" productName="x" productVersion="1" creationDateTime="2020-01-01T00:00:00"/>
@@ -397,24 +352,21 @@ fn projects_of_networks_and_st_become_documents() {
   <instances><configurations><configuration name="c"><resource name="r"><task name="t" priority="1" interval="T#10ms"><pouInstance name="m" typeName="Main"/></task></resource></configuration></configurations></instances>
 </project>
 "#;
-    fs::write(folder.join("p.xml"), project).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "p.xml", "--to", "sd", "-o", "p.s7dcl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let document = fs::read_to_string(folder.join("p.s7dcl")).expect("it is written");
+    let folder = folder_with(&[("p.xml", project)]);
+    done(&folder, &["convert", "p.xml", "--to", "sd", "-o", "p.s7dcl"]);
+    let document = read(&folder, "p.s7dcl");
     assert!(document.contains("Contact( #a )") && document.contains("// shine"), "{document}");
-    let checked = plcc(folder, &["check", "p.s7dcl", "--cpu", "s7-1500"]);
-    assert_eq!(checked.status.code(), Some(0), "{}{document}", text(&checked.stderr));
+    done(&folder, &["check", "p.s7dcl", "--cpu", "s7-1500"]);
 }
 
 /// Functions of the project are called in quotes; what networks of the TIA Portal do not have is refused.
 #[test]
 fn networks_of_projects_become_documents_that_are_read() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
+    let folder = folder_with(&[]);
     let convert = |name: &str| {
         let project = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/plcopen").join(name);
         let project = project.join("project.xml").display().to_string();
-        plcc(folder, &["convert", &project, "--to", "sd", "-o", "made.s7dcl"])
+        plcc(&folder, &["convert", &project, "--to", "sd", "-o", "made.s7dcl"])
     };
     for (name, says) in [
         ("functions", "the TIA Portal has no element in LAD and FBD for this function"),
@@ -423,11 +375,9 @@ fn networks_of_projects_become_documents_that_are_read() {
         let made = convert(name);
         assert_eq!(made.status.code(), Some(3), "{name}");
         assert!(text(&made.stderr).contains(says), "{name}: {}", text(&made.stderr));
-        assert!(!folder.join("made.s7dcl").exists(), "{name}");
+        assert!(!folder.path().join("made.s7dcl").exists(), "{name}");
     }
     let made = convert("result-by-name");
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "made.s7dcl", "--cpu", "s7-1500"]);
-    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(said.contains("1 passed, 0 failed"), "{said}");
+    expect_passed(&folder, &["made.s7dcl", "--cpu", "s7-1500"], 1);
 }

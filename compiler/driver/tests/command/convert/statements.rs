@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::{expect, plcc, programs, text};
+use super::{done, expect, expect_passed, folder_with, plcc, programs, read, text, write};
 
 /// An LREAL has more digits than the constants of statement lists.
 #[test]
@@ -11,13 +11,9 @@ fn start_values_keep_the_digits_of_an_lreal() {
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/data/lreal_start_values.stl");
     let list = list.display().to_string();
     for notation in ["xml", "lad"] {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let folder = folder.path();
-        let made = plcc(folder, &["convert", &list, "--to", notation, "-o", "made/"]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        let tested = plcc(folder, &["test", "made"]);
-        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(found.contains("5 passed, 0 failed"), "{notation}: {found}");
+        let folder = folder_with(&[]);
+        done(&folder, &["convert", &list, "--to", notation, "-o", "made/"]);
+        expect_passed(&folder, &["made"], 5);
     }
 }
 
@@ -26,15 +22,10 @@ fn start_values_keep_the_digits_of_an_lreal() {
 fn assertions_after_nop_stand_before_their_network() {
     let list = "ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      NOP   0\n//@ assert M 0.0 == 0\n      SET\n      =     M 0.0\n\
                 //@ assert M 0.0 == 1\nEND_ORGANIZATION_BLOCK\n";
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.stl"), list).expect("the folder can be written");
+    let folder = folder_with(&[("a.stl", list)]);
     for notation in ["lad", "fbd"] {
-        let made = plcc(folder, &["convert", "a.stl", "--to", notation, "-o", "a.s7dcl"]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        let tested = plcc(folder, &["test", "a.s7dcl"]);
-        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(found.contains("2 passed, 0 failed"), "{notation}: {found}");
+        done(&folder, &["convert", "a.stl", "--to", notation, "-o", "a.s7dcl"]);
+        expect_passed(&folder, &["a.s7dcl"], 2);
     }
 }
 
@@ -42,14 +33,10 @@ fn assertions_after_nop_stand_before_their_network() {
 #[test]
 fn parts_of_variables_are_drawn() {
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/syntax/tia_slices.stl");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
+    let folder = folder_with(&[]);
     for notation in ["lad", "fbd"] {
-        let made = plcc(folder, &["convert", &list.display().to_string(), "--to", notation, "-o", "a.s7dcl"]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        let tested = plcc(folder, &["test", "a.s7dcl", "--cpu", "s7-1500"]);
-        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(found.contains("7 passed, 0 failed"), "{notation}: {found}");
+        done(&folder, &["convert", &list.display().to_string(), "--to", notation, "-o", "a.s7dcl"]);
+        expect_passed(&folder, &["a.s7dcl", "--cpu", "s7-1500"], 7);
     }
 }
 
@@ -57,13 +44,9 @@ fn parts_of_variables_are_drawn() {
 #[test]
 fn values_of_functions_without_a_mark_are_local_in_xml() {
     let list = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/german/like_addresses.stl");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &list.display().to_string(), "--to", "xml", "-o", "made/"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "made"]);
-    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(found.contains("1 passed, 0 failed"), "{found}");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &list.display().to_string(), "--to", "xml", "-o", "made/"]);
+    expect_passed(&folder, &["made"], 1);
 }
 
 /// Instructions that STL calls for types: `CALL LIMIT {value_type := Int}`, and `relation := EQ` of comparisons.
@@ -72,22 +55,19 @@ fn calls_for_types_stay_in_xml() {
     let lists = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/stl/syntax");
     for list in ["tia_instructions", "tia_move", "tia_block_moves", "tia_times_and_texts", "tia_functions_of_texts"] {
         let list = lists.join(list).with_extension("stl").display().to_string();
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let folder = folder.path();
-        let made = plcc(folder, &["convert", &list, "--to", "xml", "-o", "a.xml"]);
-        assert_eq!(made.status.code(), Some(0), "{list}: {}", text(&made.stderr));
-        let tested = plcc(folder, &["test", "a.xml"]);
-        assert_eq!(tested.status.code(), Some(0), "{list}: {}{}", text(&tested.stdout), text(&tested.stderr));
+        let folder = folder_with(&[]);
+        done(&folder, &["convert", &list, "--to", "xml", "-o", "a.xml"]);
+        done(&folder, &["test", "a.xml"]);
     }
 }
 
 #[test]
 fn sources_of_the_s7_200_have_both_mnemonics() {
     expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder_with(&[]);
     let german = programs().join("press.german");
     fs::copy(german, folder.path().join("main.awl")).expect("the folder can be written");
-    let back = plcc(folder.path(), &["convert", "main.awl", "--to", "awl", "--mnemonics", "en"]);
+    let back = plcc(&folder, &["convert", "main.awl", "--to", "awl", "--mnemonics", "en"]);
     let source = fs::read_to_string(programs().join("press/main.awl")).expect("it is there");
     assert_eq!(text(&back.stdout), source);
 }
@@ -95,12 +75,12 @@ fn sources_of_the_s7_200_have_both_mnemonics() {
 #[test]
 fn other_notations_of_the_s7_200_are_refused_with_what_to_do() {
     for (to, says) in [("lad", "`plcc view` draws them"), ("stl", "--report s7-1200")] {
-        let output = plcc(&programs(), &["convert", "press", "--to", to]);
+        let output = plcc(programs(), &["convert", "press", "--to", to]);
         assert_eq!(output.status.code(), Some(3));
         assert!(text(&output.stderr).contains(says), "{}", text(&output.stderr));
         assert!(output.stdout.is_empty());
     }
-    let output = plcc(&programs(), &["convert", "packer", "--to", "awl"]);
+    let output = plcc(programs(), &["convert", "packer", "--to", "awl"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(text(&output.stderr).contains("only sources of the S7-200"), "{}", text(&output.stderr));
 }
@@ -113,10 +93,8 @@ fn reports_of_migrations_have_blocks_of_the_libraries() {
                 CALL  FC 105 (IN := IW 64, HI_LIM := 1.0, LO_LIM := 0.0, BIPOLAR := FALSE, RET_VAL := MW 2, OUT := MD 4);\n      \
                 CALL  FB 41, DB 41;\nEND_FUNCTION\nDATA_BLOCK DB 41 FB 41\nBEGIN\nEND_DATA_BLOCK\n\
                 ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      CALL FC 2;\nEND_ORGANIZATION_BLOCK\n";
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.stl"), list).expect("the folder can be written");
-    let output = plcc(folder, &["convert", "a.stl", "--report", "s7-1500"]);
+    let folder = folder_with(&[("a.stl", list)]);
+    let output = plcc(&folder, &["convert", "a.stl", "--report", "s7-1500"]);
     let report = text(&output.stdout);
     assert!(report.contains("  FC 10 EQ_STRNG    S_COMP\n      a.stl:7  CALL FC 10 ("), "{report}");
     assert!(report.contains("  FC 105 SCALE (1)  the instruction of this name\n"), "{report}");
@@ -124,49 +102,40 @@ fn reports_of_migrations_have_blocks_of_the_libraries() {
     assert!(!report.contains("FC 2 "), "{report}");
 }
 
-/// `SE` starts an on-delay in one set and an extended pulse in the other.
+/// `SE` starts an on-delay in the German set and an extended pulse in the international one.
 #[test]
 fn a_source_that_does_not_show_its_mnemonics_has_those_of_the_others() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let write = |name: &str, source: &str| fs::write(folder.join(name), source).expect("the folder can be written");
+    let folder = folder_with(&[]);
     let delay = "      O     M 0.0\n      L     S5T#1S\n      SE    T 1\n";
-    write("delay.awl", &format!("FUNCTION FC 2 : VOID\nBEGIN\n{delay}END_FUNCTION\n"));
-    let main = |set: &str, and: &str, status: u8| {
+    write(&folder, "delay.awl", &format!("FUNCTION FC 2 : VOID\nBEGIN\n{delay}END_FUNCTION\n"));
+    let main = |and: &str, status: u8| {
         let code = "      SET\n      =     M 0.0\n      UC    FC 2\n";
         let check = format!("      {and}     T 1\n//@ assert STW.RLO == {status}\n");
-        write("main.awl", &format!("ORGANIZATION_BLOCK OB 1\nBEGIN\n{code}{check}END_ORGANIZATION_BLOCK\n"));
-        let output = plcc(folder, &["test", "main.awl", "delay.awl"]);
-        assert_eq!(output.status.code(), Some(0), "{set}: {}{}", text(&output.stdout), text(&output.stderr));
+        write(&folder, "main.awl", &format!("ORGANIZATION_BLOCK OB 1\nBEGIN\n{code}{check}END_ORGANIZATION_BLOCK\n"));
+        done(&folder, &["test", "main.awl", "delay.awl"]);
     };
-    main("German", "U", 0);
-    main("international", "A", 1);
+    main("U", 0);
+    main("A", 1);
 }
 
 /// The CPU that a source names in a pragma decides what its statements mean, as it does for `plcc test`.
 #[test]
 fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "//@ cpu s7-1500\nORGANIZATION_BLOCK \"Main\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_TEMP\n  w : Word;\n  \
                   i : Int;\n  d : DInt;\nEND_VAR\nBEGIN\n  #w := 16#FFFF;\n  #i := 1;\n  #d := #w + #i;\n  //@ assert #d == L#65536\n\
                   END_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "stl", "-o", "a.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.stl"]);
-    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+    let folder = folder_with(&[("a.scl", source)]);
+    done(&folder, &["convert", "a.scl", "--to", "stl", "-o", "a.stl"]);
+    done(&folder, &["test", "a.stl"]);
     // Without a pragma a source of the TIA Portal is for an S7-1500, as `plcc test` takes it.
-    fs::write(folder.join("c.scl"), source.replace("//@ cpu s7-1500\n", "")).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "c.scl", "--to", "stl", "-o", "c.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    write(&folder, "c.scl", &source.replace("//@ cpu s7-1500\n", ""));
+    done(&folder, &["convert", "c.scl", "--to", "stl", "-o", "c.stl"]);
     for name in ["c.scl", "c.stl"] {
-        let tested = plcc(folder, &["test", name]);
-        assert_eq!(tested.status.code(), Some(0), "{name}: {}{}", text(&tested.stdout), text(&tested.stderr));
+        done(&folder, &["test", name]);
     }
     // An S7-1200 has no STL.
-    fs::write(folder.join("b.scl"), source.replace("s7-1500", "1214C")).expect("the folder can be written");
-    let refused = plcc(folder, &["convert", "b.scl", "--to", "stl"]);
+    write(&folder, "b.scl", &source.replace("s7-1500", "1214C"));
+    let refused = plcc(&folder, &["convert", "b.scl", "--to", "stl"]);
     assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stdout));
     assert!(text(&refused.stderr).contains("S7-1200"), "{}", text(&refused.stderr));
 }
@@ -174,69 +143,52 @@ fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
 /// Networks of a project for an S7-1200 are statements for an S7-1500, and its settings name one, too.
 #[test]
 fn networks_for_a_cpu_without_stl_are_for_another() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "//@ cpu s7-1200\nORGANIZATION_BLOCK Main\n{ S7_Language := \"LAD\" }\nNETWORK\n    \
                   RUNG wire#powerrail  Contact( %M0.0 )  Coil( %M0.1 )  END_RUNG\nEND_NETWORK\n//@ assert %M0.1 == 0\n\
                   END_ORGANIZATION_BLOCK\n";
-    fs::create_dir(folder.join("plant")).expect("the folder can be written");
-    fs::write(folder.join("plant/main.s7dcl"), source).expect("the folder can be written");
-    fs::write(folder.join("plant/plc.toml"), "cpu = \"1214C\"\n").expect("the folder can be written");
-    let made = plcc(folder, &["convert", "plant", "--to", "stl", "-o", "made/"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let folder = folder_with(&[("plant/main.s7dcl", source), ("plant/plc.toml", "cpu = \"1214C\"\n")]);
+    let made = done(&folder, &["convert", "plant", "--to", "stl", "-o", "made/"]);
     assert!(text(&made.stderr).contains("`1214C` has no STL"), "{}", text(&made.stderr));
-    let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it was written");
+    let settings = read(&folder, "made/plc.toml");
     assert_eq!(settings, "cpu = \"s7-1500\"\n");
-    let list = fs::read_to_string(folder.join("made/main.stl")).expect("it was written");
+    let list = read(&folder, "made/main.stl");
     assert!(list.contains("//@ cpu s7-1500\n"), "{list}");
-    let tested = plcc(folder, &["test", "made"]);
-    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+    done(&folder, &["test", "made"]);
 }
 
 /// Statements alone are those of an S7-300, so a folder of those for an S7-1500 names the CPU.
 #[test]
 fn folders_of_statements_name_their_cpu() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "ORGANIZATION_BLOCK \"Main\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_TEMP\n  w : Word;\n  u : UInt;\nEND_VAR\n\
                   BEGIN\n  #w := 16#8001;\n  #w.%X1 := TRUE;\n  #u := 40000 + 1;\n  //@ assert #w == 16#8003\nEND_ORGANIZATION_BLOCK\n";
-    fs::create_dir(folder.join("plant")).expect("the folder can be written");
-    fs::write(folder.join("plant/main.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "plant", "--to", "stl", "--cpu", "s7-1500", "-o", "made/"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it was written");
+    let folder = folder_with(&[("plant/main.scl", source)]);
+    done(&folder, &["convert", "plant", "--to", "stl", "--cpu", "s7-1500", "-o", "made/"]);
+    let settings = read(&folder, "made/plc.toml");
     assert_eq!(settings, "cpu = \"s7-1500\"\n");
-    let tested = plcc(folder, &["test", "made"]);
-    assert_eq!(tested.status.code(), Some(0), "{}{}", text(&tested.stdout), text(&tested.stderr));
+    done(&folder, &["test", "made"]);
 }
 
 #[test]
 fn scl_as_stl_does_the_same() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
+    let folder = folder_with(&[]);
     for name in ["average.scl", "calls.stl"] {
-        fs::copy(programs().join(name), folder.join(name)).expect("the folder can be written");
+        fs::copy(programs().join(name), folder.path().join(name)).expect("the folder can be written");
     }
-    let before = plcc(folder, &["test", "average.scl", "calls.stl"]);
-    assert_eq!(before.status.code(), Some(0), "{}{}", text(&before.stdout), text(&before.stderr));
-    let made = plcc(folder, &["convert", "average.scl", "--to", "stl", "-o", "average.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let written = fs::read_to_string(folder.join("average.stl")).expect("it was written");
+    done(&folder, &["test", "average.scl", "calls.stl"]);
+    done(&folder, &["convert", "average.scl", "--to", "stl", "-o", "average.stl"]);
+    let written = read(&folder, "average.stl");
     assert!(written.contains("NETWORK") && !written.contains("END_FOR"), "{written}");
-    let after = plcc(folder, &["test", "average.stl", "calls.stl"]);
-    assert_eq!(after.status.code(), Some(0), "{}{}", text(&after.stdout), text(&after.stderr));
+    done(&folder, &["test", "average.stl", "calls.stl"]);
     // The test can fail.
     let wrong = written.replace("+D", "-D");
     assert_ne!(wrong, written);
-    fs::write(folder.join("average.stl"), wrong).expect("the folder can be written");
-    assert_eq!(plcc(folder, &["test", "average.stl", "calls.stl"]).status.code(), Some(1));
+    write(&folder, "average.stl", &wrong);
+    assert_eq!(plcc(&folder, &["test", "average.stl", "calls.stl"]).status.code(), Some(1));
 }
 
 /// Networks in SCL stay among those of LAD; one with nothing but an assertion needs no statements.
 #[test]
 fn networks_in_scl_become_statements_among_the_others() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = r#"//@ cpu s7-1500
 FUNCTION Mixed : Int
     VAR_INPUT
@@ -294,19 +246,19 @@ NETWORK
 END_NETWORK
 END_ORGANIZATION_BLOCK
 "#;
-    fs::write(folder.join("mixed.s7dcl"), source).expect("the folder can be written");
-    let convert = || plcc(folder, &["convert", "mixed.s7dcl", "--to", "stl", "-o", "mixed.stl"]);
+    let folder = folder_with(&[("mixed.s7dcl", source)]);
+    let convert = || plcc(&folder, &["convert", "mixed.s7dcl", "--to", "stl", "-o", "mixed.stl"]);
     let made = convert();
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
     for name in ["mixed.s7dcl", "mixed.stl"] {
-        let tested = plcc(folder, &["test", name]);
+        let tested = plcc(&folder, &["test", name]);
         let shown = text(&tested.stdout);
         assert!(tested.status.success() && shown.contains("2 passed"), "{name}: {shown}{}", text(&tested.stderr));
     }
     // What the other networks depend on is refused.
     for (line, says) in [("IF #up THEN RETURN; END_IF;", "a jump out of"), ("ENO := #up;", "ENO in")] {
         let source = source.replace("#Mixed := #sum;", &format!("#Mixed := #sum;\n    {line}"));
-        fs::write(folder.join("mixed.s7dcl"), source).expect("the folder can be written");
+        write(&folder, "mixed.s7dcl", &source);
         let refused = convert();
         let shown = text(&refused.stderr);
         assert_eq!(refused.status.code(), Some(3), "{shown}");
@@ -317,8 +269,6 @@ END_ORGANIZATION_BLOCK
 /// Types in the letters of their author, words of the language as names, and signs after operators, also by way of an export.
 #[test]
 fn scl_comes_back_as_its_author_wrote_it() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = r#"FUNCTION "F" : Void
 VERSION : 0.1
 VAR_INPUT
@@ -340,10 +290,9 @@ BEGIN
     #i := -(-#i);
 END_FUNCTION
 "#;
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
+    let folder = folder_with(&[("a.scl", source)]);
     let convert = |arguments: &[&str]| {
-        let output = plcc(folder, &[&["convert"][..], arguments].concat());
-        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        let output = done(&folder, &[&["convert"][..], arguments].concat());
         text(&output.stdout)
     };
     assert_eq!(convert(&["a.scl", "--to", "scl"]), source);
@@ -359,29 +308,25 @@ END_FUNCTION
 /// STL of an S7-1500 has constants of blocks. For others the message is about the constant and not about the type of the box.
 #[test]
 fn constants_of_blocks_stay_or_are_refused_by_their_names() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "FUNCTION_BLOCK Own\n    VAR_INPUT\n        a : Int;\n    END_VAR\n    VAR_OUTPUT\n        r : Int;\n    END_VAR\n    \
                   VAR CONSTANT\n        limit : Int := 20;\n    END_VAR\n    { S7_Language := \"LAD\" }\n    NETWORK\n        \
                   RUNG wire#powerrail  Add{ SrcType := Int }( in1 := #a, in2 := #limit, out => #r )  END_RUNG\n    \
                   END_NETWORK\nEND_FUNCTION_BLOCK\n";
-    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let folder = folder_with(&[("a.s7dcl", source)]);
     let scl = "FUNCTION_BLOCK \"Own\"\nVAR_OUTPUT\n  r : Int;\nEND_VAR\nVAR CONSTANT\n  last : Int := 3;\nEND_VAR\nVAR\n  \
                row : Array[0..last] of Int;\nEND_VAR\n  #r := #row[2] + #last;\nEND_FUNCTION_BLOCK\n";
-    fs::write(folder.join("b.scl"), scl).expect("the folder can be written");
+    write(&folder, "b.scl", scl);
     for name in ["a.s7dcl", "b.scl"] {
         let to_xml = ["convert", name, "--to", "xml", "--cpu", "s7-1500", "-o", "a.xml"];
-        assert_eq!(plcc(folder, &to_xml).status.code(), Some(0), "{name}");
+        assert_eq!(plcc(&folder, &to_xml).status.code(), Some(0), "{name}");
         for from in [name, "a.xml"] {
-            let made = plcc(folder, &["convert", from, "--to", "stl", "--cpu", "s7-1500", "-o", "a.stl"]);
-            assert_eq!(made.status.code(), Some(0), "{name} by {from}: {}", text(&made.stderr));
-            let list = fs::read_to_string(folder.join("a.stl")).expect("it was written");
+            done(&folder, &["convert", from, "--to", "stl", "--cpu", "s7-1500", "-o", "a.stl"]);
+            let list = read(&folder, "a.stl");
             assert!(list.contains("VAR CONSTANT"), "{list}");
-            let checked = plcc(folder, &["check", "a.stl", "--cpu", "s7-1500"]);
-            assert_eq!(checked.status.code(), Some(0), "{list}{}", text(&checked.stderr));
+            done(&folder, &["check", "a.stl", "--cpu", "s7-1500"]);
         }
     }
-    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "--cpu", "315-2DP"]);
+    let made = plcc(&folder, &["convert", "a.s7dcl", "--to", "stl", "--cpu", "315-2DP"]);
     let said = text(&made.stderr);
     assert_eq!(made.status.code(), Some(3), "{said}");
     assert!(said.contains("STL of STEP 7 has no constants of a block: `limit`"), "{said}");
@@ -391,8 +336,6 @@ fn constants_of_blocks_stay_or_are_refused_by_their_names() {
 /// Tag tables say the types of their constants, too.
 #[test]
 fn constants_of_tag_tables_have_types() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let table = r#"<?xml version="1.0" encoding="utf-8"?>
 <Document><Engineering version="V18" /><SW.Tags.PlcTagTable ID="0"><AttributeList><Name>Tags</Name></AttributeList><ObjectList>
 <SW.Tags.PlcUserConstant ID="1" CompositionName="UserConstants"><AttributeList>
@@ -402,11 +345,9 @@ fn constants_of_tag_tables_have_types() {
     let source = "ORGANIZATION_BLOCK Main\n    VAR_TEMP\n        i : Int;\n    END_VAR\n    { S7_Language := \"LAD\" }\n    \
                   NETWORK\n        RUNG wire#powerrail  Add{ SrcType := Int }( in1 := \"HIGH\", in2 := 7, out => #i )  END_RUNG\n    \
                   END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("Tags.xml"), table).expect("the folder can be written");
-    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.s7dcl", "Tags.xml", "--to", "stl", "--cpu", "s7-1500", "-o", "made/"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let list = fs::read_to_string(folder.join("made/a.stl")).expect("it is written");
+    let folder = folder_with(&[("Tags.xml", table), ("a.s7dcl", source)]);
+    done(&folder, &["convert", "a.s7dcl", "Tags.xml", "--to", "stl", "--cpu", "s7-1500", "-o", "made/"]);
+    let list = read(&folder, "made/a.stl");
     assert!(list.contains("L     \"HIGH\";\n      L     7;\n      +I;\n      T     #i;"), "{list}");
 }
 
@@ -419,61 +360,44 @@ fn types_that_contain_themselves_are_looked_into_once() {
          FUNCTION \"F\" : VOID\n{{ S7_Language := \"LAD\" }}\nVAR_TEMP\n  t : \"T\";\n  x : BOOL;\nEND_VAR\nNETWORK\n\
          RUNG wire#powerrail\n  Contact( #x )\n  Coil( #x )\nEND_RUNG\nEND_NETWORK\nEND_FUNCTION\n"
     );
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "-o", "a.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let folder = folder_with(&[("a.s7dcl", &source)]);
+    done(&folder, &["convert", "a.s7dcl", "--to", "stl", "-o", "a.stl"]);
 }
 
 /// The formal is an INT, its variable a WORD.
 #[test]
 fn calls_in_charts_get_the_values_of_their_in_out_variables() {
     let chart = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/graph/calls.gr7");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &chart.display().to_string(), "--to", "stl", "-o", "a.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.stl"]);
-    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(found.contains("26 passed, 0 failed"), "{found}");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &chart.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    expect_passed(&folder, &["a.stl"], 26);
 }
 
 /// Only an S7-300 or S7-400 has SAVE, whose BR is ENO of the block.
 #[test]
 fn networks_with_save_need_no_name_of_their_cpu() {
     let networks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/lad-fbd/registers_without_cpu.s7dcl");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &networks.display().to_string(), "--to", "stl", "-o", "a.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.stl"]);
-    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(found.contains("3 passed, 0 failed"), "{found}");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &networks.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    expect_passed(&folder, &["a.stl"], 3);
 }
 
 /// The formals are INT, DINT and REAL, the variables addresses without a type.
 #[test]
 fn outputs_that_a_function_does_not_write_stay() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/scl/language/fc_output_not_written.scl");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &source.display().to_string(), "--to", "stl", "-o", "a.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.stl"]);
-    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(found.contains("2 passed, 0 failed"), "{found}");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &source.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    expect_passed(&folder, &["a.stl"], 2);
 }
 
 /// Nothing follows BEU, not even what sets ENO of the block.
 #[test]
 fn statements_of_networks_are_all_reached() {
     let networks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/lad-fbd/eno_of_a_block.s7dcl");
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &networks.display().to_string(), "--to", "stl", "-o", "a.stl"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.stl", "--deny", "warnings"]);
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &networks.display().to_string(), "--to", "stl", "-o", "a.stl"]);
+    let tested = plcc(&folder, &["test", "a.stl", "--deny", "warnings"]);
     let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
     assert!(found.contains("4 passed, 0 failed") && !found.contains("warning"), "{found}");
 }
@@ -490,19 +414,14 @@ fn statements_that_need_another_cpu_have_settings_that_name_it() {
     let sel = source("Sel{ value_type := UInt }( g := TRUE, in0 := 1, in1 := 2, out => #u )");
     let contact = source("Contact( %M0.0 )  Coil( %M0.1 )");
     for (text_of_main, cpu) in [(sel, None), (contact, Some("s7-1200"))] {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let folder = folder.path();
-        fs::create_dir(folder.join("plant")).expect("the folder can be written");
-        fs::write(folder.join("plant/main.s7dcl"), text_of_main).expect("the folder can be written");
+        let folder = folder_with(&[("plant/main.s7dcl", &text_of_main)]);
         let mut flags = vec!["convert", "plant", "--to", "stl", "-o", "made/"];
         if let Some(cpu) = cpu {
             flags.extend(["--cpu", cpu]);
         }
-        let made = plcc(folder, &flags);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        let settings = fs::read_to_string(folder.join("made/plc.toml")).expect("it was written");
+        done(&folder, &flags);
+        let settings = read(&folder, "made/plc.toml");
         assert_eq!(settings, "cpu = \"s7-1500\"\n");
-        let checked = plcc(folder, &["check", "made"]);
-        assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+        done(&folder, &["check", "made"]);
     }
 }

@@ -1,9 +1,8 @@
 //! XML of the TIA Portal.
 
-use std::fs;
 use std::path::Path;
 
-use super::{plcc, text};
+use super::{done, expect_passed, folder_with, plcc, read, text, write};
 
 /// Blocks and data types of the CPU and the libraries, whose sources are not available, and their start values.
 #[test]
@@ -78,21 +77,19 @@ NETWORK
 END_ORGANIZATION_BLOCK
 "#;
     for (name, source, set) in [("a.scl", SCL, "9 passed, 0 failed"), ("b.stl", STL, "3 passed, 0 failed")] {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        fs::write(folder.path().join(name), source).expect("the folder can be written");
-        let made = plcc(folder.path(), &["convert", name, "--to", "xml", "-o", "made.xml"]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let folder = folder_with(&[]);
+        write(&folder, name, source);
+        done(&folder, &["convert", name, "--to", "xml", "-o", "made.xml"]);
         let cpu = if name == "a.scl" { "1511-1" } else { "315-2DP" };
-        let tested = plcc(folder.path(), &["test", "made.xml", "--cpu", cpu]);
-        let document = fs::read_to_string(folder.path().join("made.xml")).expect("it is written");
+        let tested = plcc(&folder, &["test", "made.xml", "--cpu", cpu]);
+        let document = read(&folder, "made.xml");
         assert!(text(&tested.stdout).contains(set), "{}{}{document}", text(&tested.stdout), text(&tested.stderr));
     }
     // A block with this number may be another one.
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
-    write("a.stl", "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n      CALL FC 105;\nEND_FUNCTION\n");
-    write("a.sdf", "\"Motor\",\"FC 105\",\"FC 105\",\"\"\n");
-    let made = plcc(folder.path(), &["convert", "a.stl", "a.sdf", "--to", "xml"]);
+    let folder = folder_with(&[]);
+    write(&folder, "a.stl", "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n      CALL FC 105;\nEND_FUNCTION\n");
+    write(&folder, "a.sdf", "\"Motor\",\"FC 105\",\"FC 105\",\"\"\n");
+    let made = plcc(&folder, &["convert", "a.stl", "a.sdf", "--to", "xml"]);
     assert_eq!(made.status.code(), Some(3), "{}", text(&made.stdout));
     assert!(text(&made.stderr).contains("FC 105 has no name"), "{}", text(&made.stderr));
 }
@@ -144,16 +141,10 @@ END_ORGANIZATION_BLOCK
 "#;
     const SYMBOLS: &str = "\"Motor\",\"FB 10\",\"FB 10\",\"\"\n\"Motor_DB\",\"DB 10\",\"FB 10\",\"\"\n\"Calc\",\"FC 5\",\"FC 5\",\"\"\n\
                            \"Both\",\"FC 6\",\"FC 6\",\"\"\n";
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::create_dir(folder.join("plant")).expect("the folder can be made");
-    for (name, text) in [("blocks.stl", BLOCKS), ("main.s7dcl", MAIN), ("symbols.sdf", SYMBOLS)] {
-        fs::write(folder.join("plant").join(name), text).expect("the folder can be written");
-    }
-    let made = plcc(folder, &["convert", "plant", "--to", "xml", "-o", "made/", "--cpu", "315-2DP"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let read = |name: &str| fs::read_to_string(folder.join("made").join(name)).expect("it is written");
-    let (blocks, main) = (read("blocks.xml"), read("main.xml"));
+    let folder =
+        folder_with(&[("plant/blocks.stl", BLOCKS), ("plant/main.s7dcl", MAIN), ("plant/symbols.sdf", SYMBOLS)]);
+    done(&folder, &["convert", "plant", "--to", "xml", "-o", "made/", "--cpu", "315-2DP"]);
+    let (blocks, main) = (read(&folder, "made/blocks.xml"), read(&folder, "made/main.xml"));
     for found in ["<Name>Motor</Name>", "<Name>Motor_DB</Name>", "<Name>Calc</Name>", "<Number>10</Number>"] {
         assert!(blocks.contains(found), "{found} in\n{blocks}");
     }
@@ -162,74 +153,56 @@ END_ORGANIZATION_BLOCK
     for found in [r#"<CallInfo Name="Motor" BlockType="FB">"#, r#"<CallInfo Name="Calc" BlockType="FC">"#] {
         assert!(main.contains(found), "{found} in\n{main}");
     }
-    let checked = plcc(folder, &["check", "made", "--cpu", "315-2DP"]);
-    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    done(&folder, &["check", "made", "--cpu", "315-2DP"]);
 
     // In STL a call names the function block and its data block.
-    let made = plcc(folder, &["convert", "plant", "--to", "stl", "-o", "list/", "--cpu", "315-2DP"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let main = fs::read_to_string(folder.join("list/main.stl")).expect("it is written");
+    done(&folder, &["convert", "plant", "--to", "stl", "-o", "list/", "--cpu", "315-2DP"]);
+    let main = read(&folder, "list/main.stl");
     assert!(main.contains("CALL  FB 10, \"Motor_DB\" ("), "{main}");
-    let checked = plcc(folder, &["check", "list", "--cpu", "315-2DP"]);
-    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    done(&folder, &["check", "list", "--cpu", "315-2DP"]);
 }
 
 /// Start values of all types that STL has constants of.
 #[test]
 fn start_values_of_stl_become_xml() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "DATA_BLOCK DB 1\nSTRUCT\n  q : DATE_AND_TIME := DT#2001-2-3-4:5:6.789;\n  h : S5TIME := S5T#1M2S;\n  \
                   r : ARRAY [1..4 ] OF INT := 1, 2 (5), 9;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\n\
                   BEGIN\nNETWORK\n      SET;\n//@ assert DB1.DBD 0 == DW#16#0102_0304\n//@ assert DB1.DBW 12 == 5\n\
                   END_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.xml", "--cpu", "315-2DP"]);
-    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(said.contains("2 passed, 0 failed"), "{said}");
+    let folder = folder_with(&[("a.stl", source)]);
+    done(&folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
+    expect_passed(&folder, &["a.xml", "--cpu", "315-2DP"], 2);
     // XML has the values of arrays one by one, STL as a list.
-    let back = text(&plcc(folder, &["convert", "a.xml", "--to", "stl"]).stdout);
+    let back = text(&plcc(&folder, &["convert", "a.xml", "--to", "stl"]).stdout);
     assert!(back.contains("r : ARRAY[1..4] OF INT := 1, 2(5), 9;"), "{back}");
 }
 
 /// Assertions of STL are in the XML where they were, also where a network or a block has nothing else; numbers keep their digits.
 #[test]
 fn assertions_of_stl_become_xml() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "//@ cpu s7-1500\nFUNCTION \"Take\" : VOID\nVAR_INPUT\n  share : LREAL;\nEND_VAR\nBEGIN\n\
                   //@ assert #share == 0.123456789\nEND_FUNCTION\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n\
                   //@ assert MW10 == 0\n      L     1;\n      T     MW 10;\n      CALL  \"Take\" (share := 0.123456789);\nNETWORK\n\
                   //@ assert MW10 == 1\n      T     MW 12;\n// the end\nNETWORK\n//@ assert MW12 == 1\nEND_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let folder = folder_with(&[("a.stl", source)]);
+    done(&folder, &["convert", "a.stl", "--to", "xml", "-o", "a.xml"]);
     for name in ["a.stl", "a.xml"] {
-        let tested = plcc(folder, &["test", name]);
-        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(said.contains("4 passed, 0 failed"), "{name}: {said}");
+        expect_passed(&folder, &[name], 4);
     }
 }
 
 /// Statements without a header are the block that the name of their file states, in other notations too.
 #[test]
 fn names_of_files_name_blocks() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::create_dir(folder.join("parts")).expect("the folder can be written");
-    let write = |name: &str, text: &str| fs::write(folder.join("parts").join(name), text).expect("a file");
-    write("FC19_Count.awl", "      A     I 0.0\n      =     Q 4.0\n");
-    write("OB1_MAIN.awl", "      CALL  FC 19\n");
-    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_default();
+    let folder = folder_with(&[
+        ("parts/FC19_Count.awl", "      A     I 0.0\n      =     Q 4.0\n"),
+        ("parts/OB1_MAIN.awl", "      CALL  FC 19\n"),
+    ]);
     for (to, ending) in [("xml", "xml"), ("lad", "s7dcl")] {
         let out = format!("{to}/");
-        let made = plcc(folder, &["convert", "parts", "--to", to, "-o", &out]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        let checked = plcc(folder, &["check", to]);
-        let written = read(&format!("{to}/FC19_Count.{ending}"));
-        assert_eq!(checked.status.code(), Some(0), "{}{written}", text(&checked.stderr));
+        done(&folder, &["convert", "parts", "--to", to, "-o", &out]);
+        done(&folder, &["check", to]);
+        let written = read(&folder, &format!("{to}/FC19_Count.{ending}"));
         assert!(written.contains("<Name>FC_19</Name>") || written.contains("FUNCTION FC19 : Void"), "{written}");
     }
 }
@@ -237,23 +210,18 @@ fn names_of_files_name_blocks() {
 /// Tags in an export with blocks are beside what is made of the blocks.
 #[test]
 fn tags_among_exported_blocks_stay() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder_with(&[]);
     let export = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/scl/exports/memory-by-tags.xml");
     for (to, name) in [("xml", "a.xml"), ("scl", "b.scl")] {
-        let made = plcc(folder.path(), &["convert", &export.to_string_lossy(), "--to", to, "-o", name]);
-        assert_eq!(made.status.code(), Some(0), "{to}: {}", text(&made.stderr));
+        done(&folder, &["convert", &export.to_string_lossy(), "--to", to, "-o", name]);
         let tags = Path::new(name).with_extension("tags.xml");
-        let tested = plcc(folder.path(), &["test", name, &tags.to_string_lossy()]);
-        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(said.contains("3 passed, 0 failed"), "{to}: {said}");
+        expect_passed(&folder, &[name, &tags.to_string_lossy()], 3);
     }
 }
 
 /// Start values of single elements, which exports have, follow BEGIN where a declaration does not have them.
 #[test]
 fn start_values_of_elements_stay() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let data = "DATA_BLOCK \"Data\"\nVERSION : 0.1\nSTRUCT\n  a : ARRAY[1..3] OF STRUCT b : BOOL; w : WORD := W#16#1F; END_STRUCT;\n  \
                 m : ARRAY[0..3, 1..2] OF INT;\n  s : STRUCT\n    q : ARRAY[0..2] OF \"U\";\n  END_STRUCT;\n  p : \"U\";\n  big : REAL := 1.5;\n\
                 END_STRUCT;\nBEGIN\n  a[2].w := W#16#2F;\n  m[1,2] := 5;\n  s.q[1].\"IF\" := 7;\n  s.q[1].y[2] := 8;\n  p.\"IF\" := 6;\n\
@@ -262,39 +230,33 @@ fn start_values_of_elements_stay() {
                 //@ assert \"Data\".m[1,2] == 5\n  //@ assert \"Data\".s.q[0].y[2] == 0\n  //@ assert \"Data\".s.q[1].y[2] == 8\n  \
                 //@ assert \"Data\".p.y[0] == 0\n  //@ assert \"Data\".big == 1.5\n  \
                 #i := \"Data\".s.q[1].\"IF\" * 10 + \"Data\".p.\"IF\";\n  //@ assert #i == 76\nEND_ORGANIZATION_BLOCK\n";
-    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("a file");
-    write("data.scl", data);
-    write("main.scl", main);
+    let folder = folder_with(&[("data.scl", data), ("main.scl", main)]);
     let convert = |from: &str, to: &str, name: &str| {
-        let made = plcc(folder, &["convert", from, "--to", to, "--cpu", "s7-1500", "-o", name]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        done(&folder, &["convert", from, "--to", to, "--cpu", "s7-1500", "-o", name]);
     };
     convert("data.scl", "xml", "data.xml");
     for (to, name) in [("scl", "again.scl"), ("sd", "again.s7dcl")] {
         convert("data.xml", to, name);
-        let tested = plcc(folder, &["test", name, "main.scl", "--cpu", "s7-1500"]);
-        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        let document = fs::read_to_string(folder.join(name)).expect("it is written");
-        assert!(said.contains("8 passed, 0 failed"), "{said}{document}");
+        expect_passed(&folder, &[name, "main.scl", "--cpu", "s7-1500"], 8);
     }
     // A function block has no BEGIN for them, but a list.
     let block = "FUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n  p : \"U\" := (y := [0, 0, 5]);\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n\
                  TYPE \"U\"\nVERSION : 0.1\nSTRUCT\n  y : ARRAY[0..3] OF INT;\nEND_STRUCT;\nEND_TYPE\n";
-    write("block.scl", block);
+    write(&folder, "block.scl", block);
     convert("block.scl", "xml", "block.xml");
-    let made = plcc(folder, &["convert", "block.xml", "--to", "scl"]);
+    let made = plcc(&folder, &["convert", "block.xml", "--to", "scl"]);
     assert!(text(&made.stdout).contains("    p : \"U\" := (y := [0, 0, 5]);\n"), "{}", text(&made.stdout));
     // A list has no gaps.
-    let whole = fs::read_to_string(folder.join("block.xml")).expect("it is written");
+    let whole = read(&folder, "block.xml");
     let (before, rest) = whole.split_once("<Subelement Path=\"0\">").expect("values of elements");
     let (_, after) = rest.split_once("</Subelement>").expect("its end");
-    write("gap.xml", &format!("{before}{after}"));
-    let made = plcc(folder, &["convert", "gap.xml", "--to", "scl"]);
+    write(&folder, "gap.xml", &format!("{before}{after}"));
+    let made = plcc(&folder, &["convert", "gap.xml", "--to", "scl"]);
     assert_eq!(made.status.code(), Some(3), "{}", text(&made.stdout));
     assert!(text(&made.stderr).contains("no start values of single elements"), "{}", text(&made.stderr));
     // STL has no start values of structures in declarations at all.
     convert("data.xml", "stl", "again.stl");
-    let list = fs::read_to_string(folder.join("again.stl")).expect("it is written");
+    let list = read(&folder, "again.stl");
     for found in ["    a[2].w := W#16#002F;\n", "    s.q[1].y[2] := 8;\n"] {
         assert!(list.contains(found), "{found} in\n{list}");
     }
@@ -303,105 +265,84 @@ fn start_values_of_elements_stay() {
 /// Values of single elements of an instance come back from XML.
 #[test]
 fn values_of_instances_come_back() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "FUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    list : Array[1..3] of STRUCT\n        w : Int;\n        \
                   r : Real;\n    END_STRUCT;\n    m : Array[0..1, 0..1] of Int;\nEND_VAR\nBEGIN\n    #m[0, 0] := 1;\n\
                   END_FUNCTION_BLOCK\n\nDATA_BLOCK \"D\"\n\"F\"\nBEGIN\n    list[2].w := 5;\n    list[2].r := 1.5;\n    \
                   m[1, 0] := 7;\nEND_DATA_BLOCK\n";
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let back = plcc(folder, &["convert", "a.xml", "--to", "scl"]);
+    let folder = folder_with(&[("a.scl", source)]);
+    done(&folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    let back = plcc(&folder, &["convert", "a.xml", "--to", "scl"]);
     assert_eq!(text(&back.stdout), source, "{}", text(&back.stderr));
 }
 
 /// Values of elements of constants and of structures come back as lists, with the data types in other sources.
 #[test]
 fn lists_of_declarations_come_back() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::create_dir(folder.join("a")).expect("the folder can be made");
     let row = "TYPE \"Row\"\nVERSION : 0.1\nSTRUCT\n    n : Int;\n    names : Array[1..2] of String[4];\nEND_STRUCT;\nEND_TYPE\n";
     let block = "FUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    row : \"Row\" := (n := 3, names := ['a', 'b']);\nEND_VAR\n\
                  VAR CONSTANT\n    DAYS : Array[1..3] of Int := [31, 28, 31];\nEND_VAR\nBEGIN\n    #row.n := #DAYS[1];\n\
                  END_FUNCTION_BLOCK\n";
-    fs::write(folder.join("a/row.scl"), row).expect("the folder can be written");
-    fs::write(folder.join("a/block.scl"), block).expect("the folder can be written");
+    let folder = folder_with(&[("a/row.scl", row), ("a/block.scl", block)]);
     for (from, to) in [("a", "xml"), ("xml", "scl")] {
-        let made = plcc(folder, &["convert", from, "--to", to, "-o", &format!("{to}/"), "--cpu", "s7-1500"]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        done(&folder, &["convert", from, "--to", to, "-o", &format!("{to}/"), "--cpu", "s7-1500"]);
     }
-    let read = |name: &str| fs::read_to_string(folder.join("scl").join(name)).expect("it is written");
-    assert_eq!((read("row.scl").as_str(), read("block.scl").as_str()), (row, block));
+    assert_eq!((read(&folder, "scl/row.scl").as_str(), read(&folder, "scl/block.scl").as_str()), (row, block));
 }
 
 /// What starts an organization block has another name in XML.
 #[test]
 fn classes_of_organization_blocks_come_back() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "ORGANIZATION_BLOCK \"Begin\"\n{ S7_EventClass := 'Startup' }\nVERSION : 0.1\nBEGIN\n    %MW0 := 1;\n\
                   END_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    let folder = folder_with(&[("a.scl", source)]);
+    let made = plcc(&folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
     assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
-    assert_eq!(text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout), source);
-    let document = text(&plcc(folder, &["convert", "a.xml", "--to", "sd"]).stdout);
+    assert_eq!(text(&plcc(&folder, &["convert", "a.xml", "--to", "scl"]).stdout), source);
+    let document = text(&plcc(&folder, &["convert", "a.xml", "--to", "sd"]).stdout);
     assert!(document.starts_with("{ S7_EventClass := \"Startup\"; S7_Version := \"0.1\" }\n"), "{document}");
 }
 
 /// A part of a part of a variable is one part of it.
 #[test]
 fn parts_of_parts_are_one() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "//@ cpu s7-1500\nFUNCTION_BLOCK \"F\"\nVERSION : 0.1\nVAR\n    d : DWord;\nEND_VAR\nBEGIN\n    \
                   #d.%W1.%B1.%X2 := TRUE;\n    //@ assert #d == DW#16#0400_0000\nEND_FUNCTION_BLOCK\n\
                   DATA_BLOCK \"D\"\n\"F\"\nBEGIN\nEND_DATA_BLOCK\n\
                   ORGANIZATION_BLOCK \"Main\"\nBEGIN\n    \"D\"();\nEND_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    let folder = folder_with(&[("a.scl", source)]);
+    done(&folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    let document = read(&folder, "a.xml");
     assert!(document.contains("<Component Name=\"d\" SliceAccessModifier=\"x26\"/>"), "{document}");
-    let tested = plcc(folder, &["test", "a.xml"]);
-    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(said.contains("1 passed, 0 failed"), "{said}");
+    expect_passed(&folder, &["a.xml"], 1);
 }
 
 /// A data type that is another name of a type is written out where it is used.
 #[test]
 fn names_of_types_are_written_out() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "TYPE \"State\" : Int;\nEND_TYPE\nTYPE \"Row\" : Array[0..1] of \"State\";\nEND_TYPE\n\
                   DATA_BLOCK \"D\"\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR\n    s : \"State\" := 3;\n    \
                   r : \"Row\";\n    all : Array[1..2] of \"State\";\nEND_VAR\nBEGIN\n    r[1] := 5;\nEND_DATA_BLOCK\n";
-    fs::write(folder.join("a.scl"), source).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml", "--cpu", "s7-1500"]);
+    let folder = folder_with(&[("a.scl", source)]);
+    let made = plcc(&folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml", "--cpu", "s7-1500"]);
     let said = text(&made.stderr);
     assert_eq!(made.status.code(), Some(0), "{said}");
     assert!(said.contains("`State` is not a structure: its type is written where it is used"), "{said}");
-    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    let document = read(&folder, "a.xml");
     for (name, ty) in [("s", "Int"), ("r", "Array[0..1] of Int"), ("all", "Array[1..2] of Int")] {
         let wanted = format!("<Member Name=\"{name}\" Datatype=\"{ty}\"");
         assert!(document.contains(&wanted), "{wanted} in\n{document}");
     }
     assert!(!document.contains("PlcStruct"), "{document}");
-    let checked = plcc(folder, &["check", "a.xml", "--cpu", "s7-1500"]);
-    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    done(&folder, &["check", "a.xml", "--cpu", "s7-1500"]);
 }
 
 /// Start values of STL have no types in XML, where the member has one.
 #[test]
 fn start_values_of_stl_have_no_types() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "DATA_BLOCK DB 1\nSTRUCT\n  a : REAL := 2.5;\n  b : WORD := W#16#1F;\n  c : DINT := L#-70000;\n  d : TIME := T#2S;\n\
                   END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n";
-    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
-    let document = text(&plcc(folder, &["convert", "a.stl", "--to", "xml"]).stdout);
+    let folder = folder_with(&[("a.stl", source)]);
+    let document = text(&plcc(&folder, &["convert", "a.stl", "--to", "xml"]).stdout);
     for value in ["2.5", "16#1F", "-70000", "T#2S"] {
         assert!(document.contains(&format!("<StartValue>{value}</StartValue>")), "{value} in\n{document}");
     }
@@ -438,12 +379,10 @@ BEGIN
   //@ assert "Wait".Q == 1
 END_ORGANIZATION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    fs::write(folder.join("a.scl"), SOURCE).expect("the folder can be written");
-    let made = plcc(folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
+    let folder = folder_with(&[("a.scl", SOURCE)]);
+    let made = plcc(&folder, &["convert", "a.scl", "--to", "xml", "-o", "a.xml"]);
     assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
-    let document = fs::read_to_string(folder.join("a.xml")).expect("it is written");
+    let document = read(&folder, "a.xml");
     for found in [
         "<SW.Blocks.InstanceDB",
         "<OfSystemLibElement>IEC_TIMER</OfSystemLibElement>",
@@ -451,10 +390,8 @@ END_ORGANIZATION_BLOCK
     ] {
         assert!(document.contains(found), "{found} in\n{document}");
     }
-    let tested = plcc(folder, &["test", "a.xml"]);
-    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(said.contains("2 passed, 0 failed"), "{said}");
-    let source = text(&plcc(folder, &["convert", "a.xml", "--to", "scl"]).stdout);
+    expect_passed(&folder, &["a.xml"], 2);
+    let source = text(&plcc(&folder, &["convert", "a.xml", "--to", "scl"]).stdout);
     for found in ["InstructionName := 'IEC_TIMER'; LibVersion := '1.0' }\n", "\nIEC_TIMER\nBEGIN\n    PT := T#2s;\n"] {
         assert!(source.contains(found), "{found} in\n{source}");
     }
@@ -463,8 +400,6 @@ END_ORGANIZATION_BLOCK
 /// A number that the project chose is left to the project again, unless addresses need it.
 #[test]
 fn automatic_numbers_stay_automatic() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let object = |kind: &str, name: &str, layout: &str, language: &str| {
         format!(
             "<SW.Blocks.{kind} ID=\"{name}\"><AttributeList><AutoNumber>true</AutoNumber>\
@@ -479,19 +414,16 @@ fn automatic_numbers_stay_automatic() {
         object("GlobalDB", "Five", "Standard", "DB"),
         object("FB", "Lamp", "Optimized", "SCL")
     );
-    fs::write(folder.join("a.xml"), document).expect("the folder can be written");
+    let folder = folder_with(&[("a.xml", &document)]);
     let main =
         "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %DB5.DBW0 := 7;\n  //@ assert \"Five\".x == 7\nEND_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("main.scl"), main).expect("the folder can be written");
+    write(&folder, "main.scl", main);
     for to in ["scl", "sd"] {
         let output = format!("{to}/");
-        let made = plcc(folder, &["convert", "a.xml", "main.scl", "--to", to, "-o", &output, "--cpu", "s7-1500"]);
-        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-        let tested = plcc(folder, &["test", to, "--cpu", "s7-1500"]);
-        let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-        assert!(said.contains("1 passed, 0 failed"), "{said}");
+        done(&folder, &["convert", "a.xml", "main.scl", "--to", to, "-o", &output, "--cpu", "s7-1500"]);
+        expect_passed(&folder, &[to, "--cpu", "s7-1500"], 1);
         let extension = if to == "sd" { "s7dcl" } else { to };
-        let found = fs::read_to_string(folder.join(to).join("a").with_extension(extension)).expect("it is written");
+        let found = read(&folder, &format!("{to}/a.{extension}"));
         assert_eq!(found.matches("S7_BlockNumber").count(), 1, "{found}");
     }
 }
@@ -499,26 +431,22 @@ fn automatic_numbers_stay_automatic() {
 /// Numbers of blocks come back from XML, where each block has a name.
 #[test]
 fn numbers_of_exports_stay() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "//@ cpu 315-2DP\nFUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n      L     5;\n      T     DB7.DBW 0;\nEND_FUNCTION\n\
                   TYPE UDT 3\nSTRUCT\n  x : INT;\nEND_STRUCT;\nEND_TYPE\nDATA_BLOCK DB 7\nUDT 3\nBEGIN\nEND_DATA_BLOCK\n\
                   ORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n      UC    FC 1;\n//@ assert DB7.DBW 0 == 5\nEND_ORGANIZATION_BLOCK\n";
-    fs::write(folder.join("a.stl"), source).expect("the folder can be written");
+    let folder = folder_with(&[("a.stl", source)]);
     for (from, to, name) in [("a.stl", "xml", "a.xml"), ("a.xml", "stl", "b.stl")] {
-        let made = plcc(folder, &["convert", from, "--to", to, "-o", name]);
+        let made = plcc(&folder, &["convert", from, "--to", to, "-o", name]);
         assert_eq!((made.status.code(), text(&made.stderr).as_str()), (Some(0), ""));
     }
-    let list = fs::read_to_string(folder.join("b.stl")).expect("it is written");
+    let list = read(&folder, "b.stl");
     for (block, number) in [("FUNCTION \"FC_1\"", 1), ("TYPE \"UDT_3\"", 3), ("DATA_BLOCK \"DB_7\"", 7)] {
         let lines: Vec<&str> = list.lines().collect();
         let at = lines.iter().position(|line| line.starts_with(block));
         let next = at.and_then(|at| lines.get(at + 1)).copied();
         assert_eq!(next, Some(format!("{{ S7_BlockNumber := '{number}' }}").as_str()), "{block} in\n{list}");
     }
-    let tested = plcc(folder, &["test", "b.stl"]);
-    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(said.contains("1 passed, 0 failed"), "{said}{list}");
+    expect_passed(&folder, &["b.stl"], 1);
 }
 
 /// Data of the types IEC_TIMER and IEC_COUNTER do not say which instruction has them: its name stays.
@@ -526,11 +454,7 @@ fn numbers_of_exports_stay() {
 fn names_of_instructions_with_shared_data_stay() {
     let export = "../../tests/run/stl/exports/instructions-with-shared-data.xml";
     let export = Path::new(env!("CARGO_MANIFEST_DIR")).join(export).display().to_string();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
-    let made = plcc(folder, &["convert", &export, "--to", "xml", "-o", "a.xml"]);
-    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
-    let tested = plcc(folder, &["test", "a.xml"]);
-    let said = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(said.contains("4 passed, 0 failed"), "{said}");
+    let folder = folder_with(&[]);
+    done(&folder, &["convert", &export, "--to", "xml", "-o", "a.xml"]);
+    expect_passed(&folder, &["a.xml"], 4);
 }
