@@ -1,7 +1,10 @@
 //! Random valid programs and the inputs of their scans, with values, counts and addresses at the limits of the allowed range.
 
+mod instructions;
+
 use super::operands::{self, Local};
 use super::program::{Area, Block, Data, Direction, NETWORK, Operand, Parameter, Program, Statement, Width};
+use instructions::{BOXES, COMPARISONS, RELATIONS, comparison};
 use plcc_tests::random::Random;
 
 /// The inputs of a scan.
@@ -18,130 +21,6 @@ pub struct Case {
     pub program: Program,
     pub scans: Vec<Scan>,
 }
-
-/// Boxes with a letter for each operand; [`operands::operand`] reads it.
-const BOXES: &[(&str, &str)] = &[
-    ("S", "Xn"),
-    ("R", "Xn"),
-    ("SI", "Qn"),
-    ("RI", "Qn"),
-    ("+I", "wW"),
-    ("-I", "wW"),
-    ("*I", "wW"),
-    ("/I", "wW"),
-    ("+D", "dD"),
-    ("-D", "dD"),
-    ("*D", "dD"),
-    ("/D", "dD"),
-    ("MUL", "wD"),
-    ("DIV", "wD"),
-    ("INCB", "B"),
-    ("DECB", "B"),
-    ("INCW", "W"),
-    ("DECW", "W"),
-    ("INCD", "D"),
-    ("DECD", "D"),
-    ("+R", "rR"),
-    ("-R", "rR"),
-    ("*R", "rR"),
-    ("/R", "rR"),
-    ("SQRT", "rR"),
-    ("SIN", "rR"),
-    ("COS", "rR"),
-    ("TAN", "rR"),
-    ("LN", "rR"),
-    ("EXP", "rR"),
-    ("MOVB", "bB"),
-    ("MOVW", "wW"),
-    ("MOVD", "dD"),
-    ("MOVD", "&P"),
-    ("MOVR", "rR"),
-    ("BMB", "1!n"),
-    ("BMW", "2@n"),
-    ("BMD", "4$n"),
-    ("SWAP", "W"),
-    ("BIR", "IB"),
-    ("BIW", "bO"),
-    ("INVB", "B"),
-    ("INVW", "W"),
-    ("INVD", "D"),
-    ("ANDB", "bB"),
-    ("ORB", "bB"),
-    ("XORB", "bB"),
-    ("ANDW", "wW"),
-    ("ORW", "wW"),
-    ("XORW", "wW"),
-    ("ANDD", "dD"),
-    ("ORD", "dD"),
-    ("XORD", "dD"),
-    ("SRB", "Bn"),
-    ("SLB", "Bn"),
-    ("RRB", "Bn"),
-    ("RLB", "Bn"),
-    ("SRW", "Wn"),
-    ("SLW", "Wn"),
-    ("RRW", "Wn"),
-    ("RLW", "Wn"),
-    ("SRD", "Dn"),
-    ("SLD", "Dn"),
-    ("RRD", "Dn"),
-    ("RLD", "Dn"),
-    ("SHRB", "xYN"),
-    ("ATT", "wt"),
-    ("FIFO", "tW"),
-    ("LIFO", "tW"),
-    ("FILL", "w@n"),
-    ("FND=", "TwW"),
-    ("FND<>", "TwW"),
-    ("FND<", "TwW"),
-    ("FND>", "TwW"),
-    ("BTI", "bW"),
-    ("ITB", "wB"),
-    ("ITD", "wD"),
-    ("DTI", "dW"),
-    ("DTR", "dR"),
-    ("ROUND", "rD"),
-    ("TRUNC", "rD"),
-    ("BCDI", "W"),
-    ("IBCD", "W"),
-    ("DECO", "bW"),
-    ("ENCO", "wB"),
-    ("SEG", "bB"),
-    ("ITA", "w!f"),
-    ("DTA", "d!f"),
-    ("ITS", "wog"),
-    ("DTS", "dog"),
-    ("ATH", "h!n"),
-    ("HTA", "1kn"),
-    ("STI", "siW"),
-    ("STD", "siD"),
-    ("SLEN", "sB"),
-    ("SCPY", "so"),
-    ("SCAT", "so"),
-    ("SSCPY", "sico"),
-    ("SFND", "ssp"),
-    ("CFND", "ssp"),
-];
-
-/// Comparisons without their `LD`, `A` or `O`.
-const COMPARISONS: &[(&str, &str)] = &[("B", "bb"), ("W", "ww"), ("D", "dd"), ("R", "rr")];
-const RELATIONS: [&str; 6] = ["=", "<>", ">=", "<=", ">", "<"];
-
-/// Mnemonics of all comparisons, so that a statement can name them.
-fn comparison(load: &str, letter: &str, relation: &str) -> &'static str {
-    let name = format!("{load}{letter}{relation}");
-    let find = |list: &'static [&'static str]| list.iter().copied().find(|&known| known == name);
-    find(COMPARISON_NAMES).expect("each comparison is in the list")
-}
-
-const COMPARISON_NAMES: &[&str] = &[
-    "LDB=", "LDB<>", "LDB>=", "LDB<=", "LDB>", "LDB<", "LDW=", "LDW<>", "LDW>=", "LDW<=", "LDW>", "LDW<", "LDD=",
-    "LDD<>", "LDD>=", "LDD<=", "LDD>", "LDD<", "LDR=", "LDR<>", "LDR>=", "LDR<=", "LDR>", "LDR<", "LDS=", "LDS<>",
-    "AB=", "AB<>", "AB>=", "AB<=", "AB>", "AB<", "AW=", "AW<>", "AW>=", "AW<=", "AW>", "AW<", "AD=", "AD<>", "AD>=",
-    "AD<=", "AD>", "AD<", "AR=", "AR<>", "AR>=", "AR<=", "AR>", "AR<", "AS=", "AS<>", "OB=", "OB<>", "OB>=", "OB<=",
-    "OB>", "OB<", "OW=", "OW<>", "OW>=", "OW<=", "OW>", "OW<", "OD=", "OD<>", "OD>=", "OD<=", "OD>", "OD<", "OR=",
-    "OR<>", "OR>=", "OR<=", "OR>", "OR<", "OS=", "OS<>",
-];
 
 /// The case of a seed.
 pub fn case(seed: u64) -> Case {
