@@ -7,6 +7,7 @@
 //!   `leaving`: statements that are not possible in them.
 //! - `assemble`: the code of steps and transitions, put into the placeholders.
 //! - `alone`: the short way of a call with one active step; `quick`: a quicker one for charts that have less; `ordinary`: their actions.
+//! - `rivals`: which steps use what the code of others writes.
 //! - `analysis`: which charts are valid.
 //!
 //! Source: GRAPH reference, chapters D to G.
@@ -25,6 +26,7 @@ mod names;
 mod ordinary;
 mod permanent;
 mod quick;
+mod rivals;
 mod template;
 #[cfg(test)]
 mod testing;
