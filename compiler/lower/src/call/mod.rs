@@ -5,7 +5,7 @@
 //! - `instance`: for an FB, elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
 //! - `indices`: variable indices of actual parameters are read where the call begins.
 //! - `block_move`: SFC 20, 21 and 81 in place, where the areas are known.
-//! - `text`: functions of texts with addresses instead of ANY pointers.
+//! - `text`: functions of texts with addresses instead of ANY pointers; `text_operand`: where the texts are.
 //! - `system`: system functions get a structure of parameters in the caller's frame.
 
 mod block_move;
@@ -15,6 +15,7 @@ mod instance;
 mod system;
 mod text;
 mod text_compare;
+mod text_operand;
 mod text_short;
 mod text_words;
 
@@ -27,7 +28,8 @@ use plcc_model::{BlockKey, Call, CodeBlock, Passing};
 
 pub use self::block_move::{is_block_move, known_bytes};
 pub use self::function::has_area_pointer;
-pub use self::text::{FormalText, TextCall, TextInput, TextOperand, TextResult, is_length, text_call};
+pub use self::text::{TextCall, TextInput, TextResult, is_length, text_call};
+pub use self::text_operand::{FormalText, TextOperand};
 pub use self::text_short::declared_of;
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};

@@ -13,7 +13,7 @@
 
 use plcc_ir::{Address, BinaryOp, Block, IntCc, Type, Value};
 
-use super::text::TextOperand;
+use super::text_operand::TextOperand;
 use super::text_short::HEAD_BYTES;
 use super::text_words::WORD;
 use crate::block::BlockLowering;

@@ -22,8 +22,9 @@ use plcc_abi::{RuntimeFn, Type};
 use plcc_ir::{BinaryOp, Block, IntCc, UnaryOp, Value};
 use plcc_model::CodeBlock;
 
-use super::text::{TextOperand, TextResult};
+use super::text::TextResult;
 use super::text_compare::compares_at_once;
+use super::text_operand::TextOperand;
 use super::text_words::WORD;
 use crate::block::BlockLowering;
 use texts::{Places, Text, places};

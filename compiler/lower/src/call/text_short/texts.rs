@@ -6,7 +6,7 @@ use plcc_ir::{Address, BinaryOp, Block, IntCc, Region, Value};
 
 use super::HEAD_BYTES;
 use crate::block::BlockLowering;
-use crate::call::text::TextOperand;
+use crate::call::text_operand::TextOperand;
 use crate::call::text_words::WORD;
 use crate::pointer::moved;
 use crate::scl::OwnText;
