@@ -70,7 +70,7 @@ pub struct ConvertArgs {
     /// Mnemonics of the statement lists that are written [default: those of the source].
     #[arg(long, value_name = "SET")]
     pub mnemonics: Option<MnemonicsArg>,
-    /// CPU of the program, such as `315-2DP`, or family [default: that of the project; for SCL as STL `s7-300`].
+    /// CPU of the program, such as `315-2DP`, or family [default: that of the project or of a line `//@ cpu`, else what the sources imply].
     #[arg(long, value_name = "NAME")]
     pub cpu: Option<String>,
     /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
@@ -81,7 +81,7 @@ pub struct ConvertArgs {
 /// What `plcc convert` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ConvertTo {
-    /// Statement list, as source text for S7-300/400: of STL, LAD, FBD, SCL and GRAPH.
+    /// Statement list, as source text for S7-300/400/1500: of STL, LAD, FBD, SCL and GRAPH.
     Stl,
     /// Ladder diagram, as SIMATIC SD.
     Lad,
