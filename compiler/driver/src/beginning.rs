@@ -16,7 +16,7 @@ use plcc_opt::Without;
 /// Programs with fewer instructions are done before a thread has started.
 const SHARED_INSTS_MIN: usize = 20_000;
 
-/// So many functions wait for the other thread.
+/// At most this many functions wait for the other thread.
 const WAITING_MAX: usize = 8;
 
 /// Lowers a program that was bound without errors; its functions have been through [`plcc_opt::begin`].

@@ -24,7 +24,7 @@ pub struct RetainKeys {
 }
 
 impl RetainKeys {
-    /// How much is to be retentive, and where it is written. What is not a number of anything is reported by [`read`].
+    /// How much is to be retentive, and where it is written. [`read`] reports numbers that are out of range.
     pub fn counts(&self) -> Vec<(Retained, u32, Range<usize>)> {
         let keys = [
             (Retained::BitMemory, &self.bit_memory),
@@ -40,7 +40,7 @@ impl RetainKeys {
     }
 }
 
-/// What no CPU has more of.
+/// More than any CPU has.
 const COUNT_MAX: u32 = 65_536;
 /// Longest time between two copies.
 const EVERY_MS_MAX: u32 = 3_600_000;

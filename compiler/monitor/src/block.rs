@@ -15,11 +15,11 @@ pub struct Block {
     contents: Vec<Content>,
     status: Status,
     forcing: Forcing,
-    /// The call that is wanted; `None`: the first one in a cycle.
+    /// The call to be shown; `None`: the first one in a cycle.
     call: Option<String>,
     /// Statements that can be drawn are shown as networks.
     networks: bool,
-    /// Number of the order whose news are shown; 0: of none.
+    /// Number of the order whose answers are shown; 0: of none.
     turn: u64,
     /// What is known of its status.
     pub note: String,
@@ -103,18 +103,18 @@ impl Block {
             .position(|row| row.first().is_some_and(|piece| piece.tone == Tone::Title && is_title(&piece.text)))
     }
 
-    /// What comes until the block is asked for again is of another program.
+    /// What comes until the block is asked for again belongs to another program.
     pub fn wait(&mut self) {
         self.turn = 0;
     }
 
-    /// Asks for the status of the call that is wanted.
+    /// Asks for the status of the call to be shown.
     pub fn ask(&mut self, turn: u64) -> Order {
         self.turn = turn;
         Order::Status { block: Some(self.key()), call: self.call.clone(), turn }
     }
 
-    /// The next of the calls is wanted. False: there is only one.
+    /// Chooses the next of the calls. False: there is only one.
     pub fn next_call(&mut self) -> bool {
         let calls = &self.status.calls;
         if calls.len() < 2 && self.call.is_none() {

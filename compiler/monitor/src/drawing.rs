@@ -20,7 +20,7 @@ use crate::status::{Status, text};
 
 /// Pixels of a column.
 const COLUMN: i32 = 6;
-/// What differs less in height is in the same line.
+/// Items whose heights differ by less are in the same line.
 const SAME: i32 = 3;
 /// From here on there is a free line between two lines.
 const FAR: i32 = 30;
@@ -39,7 +39,7 @@ const LINES: [char; 16] = [' ', '─', '─', '─', '│', '┘', '└', '┴',
 /// A column that the letter before it takes too.
 const COVERED: char = '\0';
 
-/// Whose a character is.
+/// What a character belongs to.
 #[derive(Clone, Debug, PartialEq)]
 enum Owner {
     Nobody,
@@ -202,7 +202,7 @@ impl Drawing {
         }
     }
 
-    /// What stands on the lines of others.
+    /// What is drawn on top of the lines of others.
     fn sign(&mut self, item: &Item, heights: &Heights) {
         match item {
             Item::Glyph { glyph, left, right, y, sign, part } => {

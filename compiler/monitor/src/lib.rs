@@ -48,7 +48,7 @@ pub fn run(process: Process, session: Option<String>, watched: Vec<String>) -> s
     outcome
 }
 
-/// What has come goes to the model, and what the model wants to the CPU.
+/// Gives the model what has come, and the CPU what the model orders.
 pub fn exchange(model: &mut Model, connection: &Connection) {
     connection.take().for_each(|message| model.take(message));
     model.orders().for_each(|order| connection.send(order));

@@ -27,7 +27,7 @@ pub enum Order {
         name: Option<String>,
     },
     Stop,
-    /// Outputs in STOP: what is modified here reaches the modules, or no more.
+    /// Outputs in STOP: whether what is modified here reaches the modules.
     Outputs {
         enable: bool,
     },
@@ -175,7 +175,7 @@ pub struct Sheet {
     pub row: Vec<SheetRow>,
 }
 
-/// A row of it; values are modified at once here, in the cycle by the page.
+/// A row of it. The terminal modifies values at once; only the page does it in the cycle.
 #[derive(Clone, Debug, Deserialize)]
 pub struct SheetRow {
     pub address: String,

@@ -32,7 +32,7 @@ pub enum Glyph {
     Coil,
 }
 
-/// Where the point of a text is in it.
+/// Which part of a text is at its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -41,7 +41,7 @@ pub enum Anchor {
 }
 
 impl Anchor {
-    /// The column where a text begins whose point is in `column`.
+    /// The column in which a text begins whose point is in `column`.
     pub fn begin(self, column: i32, text: &str) -> i32 {
         match self {
             Anchor::Start => column,

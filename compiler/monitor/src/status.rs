@@ -62,7 +62,7 @@ impl Status {
         Status { seen: vec![None; places.len()], places, at, ..Status::default() }
     }
 
-    /// Another call is wanted: nothing is known of it.
+    /// Another call is asked for: nothing is known of it yet.
     pub fn forget(&mut self) {
         self.seen.fill(None);
         self.steps.clear();

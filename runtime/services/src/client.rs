@@ -19,7 +19,7 @@ use tokio_rustls::rustls::{ClientConfig, ClientConnection, StreamOwned};
 
 use crate::tls;
 
-/// The status of an answer: values of the running program would go.
+/// The status of an answer: values of the running program would be lost.
 pub const CONFLICT: u16 = 409;
 /// How long an answer may take.
 const TIME: Duration = Duration::from_secs(60);

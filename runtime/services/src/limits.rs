@@ -16,7 +16,7 @@ pub const SETUP_TIME: Duration = Duration::from_secs(10);
 pub const FRAME_TIME: Duration = Duration::from_secs(5);
 pub const ANSWER_TIME: Duration = Duration::from_secs(5);
 
-/// Requests that wait for the CPU; who has more waits.
+/// Requests that wait for the CPU; a client with another one waits until there is room.
 pub const QUEUE_MAX: usize = 64;
 
 /// Cyclic jobs of an S7 connection, and variables of one.

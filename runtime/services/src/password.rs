@@ -52,8 +52,8 @@ pub fn is_right(password: &[u8], hash: &str) -> bool {
     PasswordHash::new(hash).is_ok_and(|hash| Argon2::default().verify_password(password, &hash).is_ok())
 }
 
-/// Whoever checks a password of any service holds it: one after the other, since that takes time and memory on purpose. Many at once would
-/// take the memory of the computer.
+/// The permit to check a password of any service: one after the other, since a check takes time and memory on purpose. Many at once
+/// would take all the memory of the computer.
 pub async fn turn() -> Option<SemaphorePermit<'static>> {
     static TURN: Semaphore = Semaphore::const_new(1);
     TURN.acquire().await.ok()

@@ -168,7 +168,7 @@ pub fn refused(error: &std::io::Error) -> String {
 }
 
 /// A certificate that is known byte by byte may be for any name: that is how a process is trusted that was opened for all its addresses.
-/// Whoever shows it must have its key all the same. Others must be signed by a known one, and be for the address.
+/// The process that shows it must have its key all the same. Other certificates must be signed by a known one, and be for the address.
 #[derive(Debug)]
 struct Known {
     known: Vec<CertificateDer<'static>>,

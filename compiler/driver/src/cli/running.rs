@@ -75,7 +75,7 @@ pub struct LoadArgs {
     pub compile: CompileArgs,
 }
 
-/// What becomes of a change by which values of the running program go.
+/// What to do with a change that would lose values of the running program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Lose {
     /// `y` or `n` and Enter on standard input.

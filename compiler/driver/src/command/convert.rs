@@ -1,5 +1,5 @@
 //! `plcc convert`: sources in another notation. [`addresses`]: with symbols or addresses; [`migration`]: what another CPU has of them;
-//! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them; [`languages`]: texts that stay behind;
+//! [`whole`]: programs as one document; [`companions`]: what a folder of sources needs besides them; [`languages`]: texts that are lost;
 //! [`without_stl`]: programs for an S7-1200 as STL.
 
 mod addresses;
@@ -237,7 +237,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     store(args, Some(to.extension()), &files, &companions).err().unwrap_or(exit::OK)
 }
 
-/// Statements without a header are the block that the name of their file states, `FC19_Count.awl`. Only statement lists are written
+/// Gives statements without a header the block that the name of their file states, `FC19_Count.awl`. Only statement lists are written
 /// without headers.
 fn name_by_files(parsed: &mut pipeline::Parsed) {
     for (file, unit) in &mut parsed.units {
@@ -302,7 +302,7 @@ fn has_scl_for_stl(to: ConvertTo, parsed: &pipeline::Parsed) -> bool {
     to == ConvertTo::Stl && parsed.units.iter().any(|(_, unit)| unit.blocks.iter().any(is_scl))
 }
 
-/// The CPU for STL made from SCL and charts for which nobody names one: none is the one that the sources imply, as where they are run.
+/// The CPU for STL made from SCL and charts if nothing names one; `None`: the one that the sources imply, as when they are run.
 fn cpu_for_stl(parsed: &pipeline::Parsed) -> Option<&'static str> {
     let implied = plcc_program::implied_profile(&parsed.units);
     // That has no STL.

@@ -34,7 +34,7 @@ fn compile(args: &LoadArgs) -> Result<Vec<u8>, u8> {
     let read = inputs::read_as(&inputs::or_here(&args.inputs)?, args.compile.code_page);
     let unreadable = read.is_unreadable();
     let settings = pipeline::Settings { require_main: true, ..pipeline::Settings::new(&args.compile) };
-    // Whoever looks at the page is to see the new program.
+    // The page shows the new program from then on.
     let bound = drawings::bind(pipeline::parse(read, &settings), &settings, |_| true);
     let bound = accepted(bound, unreadable, &settings)?;
     let mut plain = pipeline::lower_begun(&bound, args.optimization.optimization());

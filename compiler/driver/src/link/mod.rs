@@ -185,7 +185,7 @@ pub fn replace(path: &Path, bytes: &[u8], mode: u32) -> Result<(), LinkError> {
     Ok(())
 }
 
-/// Where a link leads at whose end there is nothing yet; the path itself if it is none.
+/// Where a link leads whose file does not exist yet; the path itself if it is not a link.
 fn behind_links(path: &Path) -> io::Result<PathBuf> {
     let mut place = path.to_path_buf();
     for _ in 0..LINKS_MAX {

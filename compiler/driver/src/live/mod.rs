@@ -153,7 +153,7 @@ impl Watch {
         }
     }
 
-    /// Lists what a change does, and makes it unless values go.
+    /// Lists what a change does, and makes it unless values would be lost.
     fn decide(&mut self, prepared: Result<Prepared, String>) {
         let prepared = match prepared {
             Ok(prepared) => prepared,

@@ -17,7 +17,7 @@ struct Column {
     is_bit: bool,
     /// It has values that cannot be drawn: texts, dates.
     is_text: bool,
-    /// Seconds and value; times do not fall.
+    /// Seconds and value, in the order of time.
     points: Vec<(f64, f64)>,
 }
 

@@ -109,7 +109,7 @@ fn add_report(
     }
 }
 
-/// What a fault has left over that stopped the CPU.
+/// What was not checked because a fault stopped the CPU.
 fn unjudged(expectations: usize, assertions: usize) -> String {
     let line = |count: usize, what: &str| match count {
         0 => String::new(),

@@ -78,7 +78,7 @@ fn scenario_case<'o>(outcome: &'o Outcome, class: &str, played: &'o Played) -> C
     }
 }
 
-/// The path of a test. That of the project in this folder, `.`, says nothing outside: the folder has a name.
+/// The path of a test. For the project in this folder it is the name of the folder, since `.` means nothing in another one.
 fn name_of(outcome: &Outcome) -> String {
     let path = Path::new(&outcome.name);
     let folder = if path.file_name().is_none() { path.canonicalize().ok() } else { None };

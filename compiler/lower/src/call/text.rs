@@ -287,8 +287,8 @@ impl BlockLowering<'_, '_> {
         self.text_in_memory(addr, maximum, &checks, direction, |lowering| lowering.pointer_fields(place))
     }
 
-    /// The maximum of the text at `place` as the data block has it when it is loaded; 0 if it is not known. Whoever is in a hurry looks whether it is
-    /// still so.
+    /// The maximum of the text at `place` as the data block has it when it is loaded; 0 if it is not known. Short ways check that it is still
+    /// so.
     fn maximum_at_start(&self, place: &Place) -> u8 {
         let Place::Db { number, byte, bit: 0 } = place else { return 0 };
         let Some(db) = self.plan.db_at_start(*number) else { return 0 };

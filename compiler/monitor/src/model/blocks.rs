@@ -32,7 +32,7 @@ impl Model {
         Forcing::new(self.forced.iter().map(|forced| forced.address.as_str()), modules)
     }
 
-    /// The block that is open is another one, or its connection is.
+    /// The open block has changed, or the connection is a new one.
     pub(super) fn open_again(&mut self) {
         let Some(key) = self.block.as_ref().map(Block::key) else { return };
         match self.pages.iter().find(|page| page.key() == key).cloned() {
@@ -86,7 +86,7 @@ impl Model {
         self.go_to_network();
     }
 
-    /// The block begins with the network that is wanted.
+    /// Moves the block so that the network that was asked for is at the top.
     fn go_to_network(&mut self) {
         let line = self.block.as_ref().zip(self.network).and_then(|(block, network)| block.line_of(network));
         self.at[Part::Block as usize] = line.unwrap_or(0);

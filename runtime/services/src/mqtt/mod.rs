@@ -137,7 +137,7 @@ trait Duties: Send {
     fn receive(&mut self, _message: Publish) {}
 }
 
-/// A publisher that wants to know nothing of the connection.
+/// A publisher that does nothing with the connection besides sending.
 struct NoDuties;
 
 impl Duties for NoDuties {}

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use rumqttc::{ConnectReturnCode, ConnectionError, StateError};
 
-/// So many reasons of one outage are reported.
+/// At most this many reasons of one outage are reported.
 const REASONS_MAX: usize = 4;
-/// A connection that has lasted so long works.
+/// A connection that has lasted this long works.
 const LASTS: Duration = Duration::from_secs(10);
 
 /// See the module comment.

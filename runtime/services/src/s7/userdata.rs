@@ -232,7 +232,7 @@ fn kind_of(letter: u8) -> Option<u8> {
     BLOCK_KINDS.contains(&kind).then_some(kind)
 }
 
-/// The language of blocks of a kind, as lists have it: what a block was written in is no longer known.
+/// The language of blocks of a kind, as lists have it: an executable does not know what a block was written in.
 fn language_of(kind: u8) -> u8 {
     const UNKNOWN: u8 = 0;
     const DATA_BLOCK: u8 = 5;

@@ -42,7 +42,7 @@ pub enum Order {
     },
     /// From now on count the runs of organization blocks; no block is watched then.
     Obs,
-    /// Records values in every cycle; without names no more.
+    /// Record values in every cycle; without names, end the recording.
     Trace(Wanted),
     /// Give an input or output a fixed value.
     Force(Change),
@@ -51,7 +51,7 @@ pub enum Order {
         name: Option<String>,
     },
     Stop,
-    /// Outputs in STOP: what this page modifies reaches the modules, or no page does.
+    /// Outputs in STOP: enable them for what this page modifies, or disable them for every page.
     Outputs {
         enable: bool,
     },
@@ -87,7 +87,7 @@ pub struct JobRow {
     pub every: bool,
 }
 
-/// What the server tells. Fields without news are left out.
+/// What the server tells. Fields that have not changed are left out.
 #[derive(Debug, Default, Serialize)]
 pub struct News {
     /// Once, at first.

@@ -235,7 +235,7 @@ async fn listed(Extension(Asked { page, .. }): Extension<Asked>, headers: Header
     Ok(Json(names.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)?).into_response())
 }
 
-/// Whether values of the running program may go: the query of the request is this word.
+/// Values of the running program may be lost if the query of the request is this word.
 fn may_lose(query: &RawQuery) -> bool {
     query.0.as_deref() == Some("lose")
 }
@@ -272,7 +272,7 @@ fn refused(status: StatusCode, why: &str) -> Response {
     (status, why.to_string()).into_response()
 }
 
-/// Loads programs for who may do that.
+/// What loads programs, if this user may do that.
 #[allow(clippy::result_large_err, reason = "it is the answer")]
 fn loader(Asked { page, most }: &Asked, headers: &HeaderMap) -> Result<Loader, Response> {
     let Some(loader) = page.loader.clone() else {
@@ -289,8 +289,8 @@ fn loader(Asked { page, most }: &Asked, headers: &HeaderMap) -> Result<Loader, R
     }
 }
 
-/// 200: the program was changed, with what was new and lost as lines. 409: values would go, and which ones; nothing has changed. 422: why it is
-/// not possible.
+/// 200: the program was changed, with what was new and lost as lines. 409: values would be lost, and which ones; nothing has changed. 422: why
+/// it is not possible.
 async fn change(
     loader: Loader,
     lose: bool,
@@ -406,7 +406,7 @@ async fn table_written(
     Ok(StatusCode::NO_CONTENT.into_response())
 }
 
-/// Reads or writes a file of the project, not on the thread that serves everybody.
+/// Reads or writes a file of the project, on another thread than the one that serves all clients.
 async fn in_project<T: Send + 'static>(
     page: Page,
     job: impl FnOnce(&Tables) -> Result<T, Wrong> + Send + 'static,

@@ -9,7 +9,7 @@ use plcc_runtime::signal;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// News about a block.
+/// What is new about a block.
 #[derive(Debug, Default, Serialize)]
 pub struct Status {
     /// The number that came with the order.

@@ -53,7 +53,7 @@ impl Tables {
         Sheet::read(&text).map_err(|error| Wrong::Other(format!("{}: {error}", path.display())))
     }
 
-    /// Writes the file of a table, in one step: who reads it meanwhile gets the table from before or the new one.
+    /// Writes the file of a table in one step: a reader gets either the old table or the new one.
     pub fn write(&self, name: &str, sheet: &Sheet) -> Result<(), Wrong> {
         let path = self.path(name)?;
         let text = sheet.write().map_err(Wrong::Other)?;

@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::companions::cpu_of_pragma;
 
-/// The CPU of the statements, if nobody names one.
+/// The CPU of the statements if nothing names one.
 pub(super) const USUAL: &str = "s7-1500";
 
 #[derive(Deserialize)]

@@ -263,7 +263,7 @@ struct Rights {
 }
 
 impl Rights {
-    /// Looks up the addresses of the broker; the one that may do least counts.
+    /// Looks up the addresses of the broker; the one with the least rights counts.
     async fn renew(&mut self) {
         let place = (self.broker.host.as_str(), self.broker.port);
         let found = timeout(LOOKUP_TIME, tokio::net::lookup_host(place)).await;

@@ -34,7 +34,7 @@ pub(super) struct Seen {
     pub(super) recording: Option<Progress>,
 }
 
-/// What is another since the program has changed.
+/// What has become different because the program has changed.
 pub(super) struct Renewed {
     /// The names have other places.
     pub(super) watched: Watched,

@@ -105,7 +105,7 @@ fn prepare(order: Order, client: u64, image: &Arc<ProgramImage>) -> Result<Act, 
             Ok(())
         }),
         Order::Outputs { enable: true } => Box::new(move |cpu| cpu.enable_outputs(client)),
-        // Whoever has enabled them: it is the safe side.
+        // No matter who has enabled them: disabled outputs are safe.
         Order::Outputs { enable: false } => Box::new(|cpu| {
             cpu.end_enabling();
             Ok(())
