@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use plcc_convert::trivia::Trivia;
-use plcc_diag::FileId;
+use plcc_diag::{Diagnostic, FileId};
 use plcc_driver::cli::Level;
 use plcc_driver::inputs::TestInput;
 use plcc_driver::testing::{self, Form, Variant};
@@ -106,6 +106,41 @@ fn as_xml(path: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Result<(
     }
 }
 
+/// Fails unless a source does the same by way of XML.
+fn stays_the_same(name: &str, source: &str) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join(name);
+    fs::write(&file, source).expect("a file");
+    let mut refused = BTreeMap::new();
+    let outcome = as_xml(&file, &mut refused);
+    assert!(matches!(outcome, Some(Ok(()))), "{outcome:?} {refused:?}");
+}
+
+/// The tree of a text without errors.
+fn read(text: &str) -> SourceUnit {
+    let (unit, messages) = plcc_readers::parse(FileId::default(), text, &ReadOptions::default());
+    assert!(!has_errors(&messages), "{messages:#?} in\n{text}");
+    unit
+}
+
+/// A source in SCL as a document, and the warnings about it.
+fn document_of(source: &str, trivia: Trivia) -> (String, Vec<Diagnostic>) {
+    let unit = read(source);
+    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
+    let (document, messages) = plcc_convert::xml::write(&unit, &library, trivia, Some(source));
+    assert!(!has_errors(&messages), "{messages:#?}");
+    (document, messages)
+}
+
+/// A document as a source in SCL.
+fn scl_of(document: &str) -> String {
+    let unit = read(document);
+    let others = plcc_convert::scl::Others::Refused;
+    let (source, messages) = plcc_convert::scl::write(&unit, Trivia::none(), unit.overlay.as_deref(), others);
+    assert!(!has_errors(&messages), "{messages:#?}");
+    source
+}
+
 /// Values of elements of arrays, of components of structures, and of timers and counters.
 #[test]
 fn values_of_instances_stay() {
@@ -159,12 +194,7 @@ BEGIN
   //@ assert "Pause".PT == T#2s
 END_ORGANIZATION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("plant.scl");
-    fs::write(&file, source).expect("a file");
-    let mut refused = BTreeMap::new();
-    let outcome = as_xml(&file, &mut refused);
-    assert!(matches!(outcome, Some(Ok(()))), "{outcome:?} {refused:?}");
+    stays_the_same("plant.scl", source);
 }
 
 /// Start values of an array in a structure are those of each element of the array around it.
@@ -193,12 +223,7 @@ NETWORK
 //@ assert DB1.recipes[3].name == 'A'
 END_ORGANIZATION_BLOCK
 "#;
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("recipes.stl");
-    fs::write(&file, source).expect("a file");
-    let mut refused = BTreeMap::new();
-    let outcome = as_xml(&file, &mut refused);
-    assert!(matches!(outcome, Some(Ok(()))), "{outcome:?} {refused:?}");
+    stays_the_same("recipes.stl", source);
 }
 
 /// SCL has no values of single elements; those of XML become lists, with the values that elements without one have.
@@ -215,21 +240,12 @@ BEGIN
   d[2] := 1.5;
 END_DATA_BLOCK
 "#;
-    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
-    let (document, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let others = plcc_convert::scl::Others::Refused;
-    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
-    assert!(!has_errors(&messages), "{messages:#?}");
+    let (document, _) = document_of(source, Trivia::none());
+    let written = scl_of(&document);
     for line in ["of Int := [1, 2, 3, 7];", "of Bool := [TRUE, FALSE];", "of Real := [2(0.0), 1.5];"] {
         assert!(written.contains(line), "{line} in\n{written}");
     }
-    let (_, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
+    read(&written);
 }
 
 /// Load memory only, write-protected and retentive data blocks.
@@ -259,13 +275,8 @@ END_VAR
 BEGIN
 END_DATA_BLOCK
 "#;
-    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
-    let (written, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let (again, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
+    let (written, _) = document_of(source, Trivia::none());
+    let again = read(&written);
     let flags = again.blocks.iter().filter_map(|block| match block {
         Block::Data(data) => Some((data.retained.join(" "), data.header.unlinked, data.header.read_only)),
         Block::Code(_) | Block::Type(_) => None,
@@ -286,17 +297,10 @@ END_VAR
 BEGIN
 END_DATA_BLOCK
 "#;
-    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
-    let (document, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
+    let (document, messages) = document_of(source, Trivia::none());
     assert!(messages.is_empty(), "{messages:#?}");
     assert!(document.contains("<DBAccessibleFromOPCUA>false</DBAccessibleFromOPCUA>"), "{document}");
-    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let others = plcc_convert::scl::Others::Refused;
-    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
-    assert!(!has_errors(&messages), "{messages:#?}");
+    let written = scl_of(&document);
     assert!(written.contains("DB_Accessible_From_OPC_UA := 'FALSE'"), "{written}");
 }
 
@@ -315,17 +319,10 @@ BEGIN
   #limit := #shown;
 END_FUNCTION_BLOCK
 "#;
-    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
-    let (document, messages) = plcc_convert::xml::write(&unit, &library, Trivia::none(), Some(source));
+    let (document, messages) = document_of(source, Trivia::none());
     assert!(messages.is_empty(), "{messages:#?}");
     assert!(document.contains(r#"<Member Name="wait" Datatype="TON_TIME" Version="1.1"/>"#), "{document}");
-    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let others = plcc_convert::scl::Others::Refused;
-    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
-    assert!(!has_errors(&messages), "{messages:#?}");
+    let written = scl_of(&document);
     let lines = [
         "wait { LibVersion := '1.1' } : TON_TIME;",
         "limit { ExternalWritable := 'False'; S7_SetPoint := 'True' } : Real;",
@@ -458,12 +455,7 @@ BEGIN
   RETURN;
 END_FUNCTION
 "#;
-    let (unit, messages) = plcc_readers::parse(FileId::default(), source, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let library = plcc_convert::xml::Library::new(std::iter::once(&unit));
-    let trivia = Trivia::new(source, scl::comments(source), false);
-    let (document, messages) = plcc_convert::xml::write(&unit, &library, trivia, Some(source));
-    assert!(!has_errors(&messages), "{messages:#?}");
+    let (document, _) = document_of(source, Trivia::new(source, scl::comments(source), false));
     let wanted = [
         "above speed\nof speed",
         "about the type\nin two lines",
@@ -474,14 +466,9 @@ END_FUNCTION
     ];
     assert_eq!(comments_of(&document), wanted, "{document}");
     // Lines of a comment stay comments.
-    let (again, messages) = plcc_readers::parse(FileId::default(), &document, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
-    let others = plcc_convert::scl::Others::Refused;
-    let (written, messages) = plcc_convert::scl::write(&again, Trivia::none(), again.overlay.as_deref(), others);
-    assert!(!has_errors(&messages), "{messages:#?}");
+    let written = scl_of(&document);
     assert!(written.contains("    // above speed\n    // of speed\n    speed : Int := 1;\n"), "{written}");
-    let (_, messages) = plcc_readers::parse(FileId::default(), &written, &ReadOptions::default());
-    assert!(!has_errors(&messages), "{messages:#?}");
+    read(&written);
 }
 
 /// The comment of a network of STL is not that of its first statement, too.
