@@ -14,11 +14,11 @@ mod xml;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 use tempfile::TempDir;
 
-const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+use crate::plcc;
 
 fn programs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/convert")
@@ -44,10 +44,6 @@ fn write(folder: impl AsRef<Path>, name: &str, text: &str) {
 fn read(folder: impl AsRef<Path>, name: &str) -> String {
     let path = folder.as_ref().join(name);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
-
-fn plcc(folder: impl AsRef<Path>, arguments: &[&str]) -> Output {
-    Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts")
 }
 
 /// Runs a command that has to succeed.

@@ -2,16 +2,14 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-
-const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+use std::process::Output;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/coverage")
 }
 
 fn plcc(arguments: &[&str]) -> Output {
-    Command::new(PLCC).current_dir(folder()).args(arguments).output().expect("plcc starts")
+    crate::plcc(folder(), arguments)
 }
 
 /// The LCOV file of a test, and what it prints.
@@ -62,9 +60,8 @@ fn tests_add_up() {
     let scenario =
         |value: u8| format!("[[at]]\ncycle = 1\nset = {{ \"I0.0\" = {value} }}\nexpect = {{ \"Q0.0\" = {value} }}\n");
     let contacts = || {
-        let output =
-            Command::new(PLCC).current_dir(room.path()).args(["test", ".", "--coverage", "out", "--json"]).output();
-        let sums: serde_json::Value = serde_json::from_slice(&output.expect("plcc starts").stdout).expect("it is JSON");
+        let output = crate::plcc(&room, &["test", ".", "--coverage", "out", "--json"]);
+        let sums: serde_json::Value = serde_json::from_slice(&output.stdout).expect("it is JSON");
         sums["coverage"]["contacts"]["covered"].as_u64()
     };
     write("tests/off.toml", &scenario(0));

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+use crate::PLCC;
 
 /// Writes the source into a folder and builds `program` there.
 fn build(folder: &Path, source: &str) {
@@ -225,7 +225,7 @@ fn a_trace_has_whole_texts_and_dates() {
 
 #[test]
 fn a_code_with_another_letter_is_recognized() {
-    let output = Command::new(env!("CARGO_BIN_EXE_plcc")).args(["explain", "E0203"]).output().expect("plcc starts");
+    let output = Command::new(PLCC).args(["explain", "E0203"]).output().expect("plcc starts");
     assert_eq!(output.status.code(), Some(2));
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(errors.contains("is P0203 meant?"), "{errors}");

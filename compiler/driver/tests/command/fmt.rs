@@ -2,13 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
-const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
-
-fn plcc(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts")
-}
+use crate::{PLCC, plcc};
 
 #[test]
 fn encoding_and_line_ends_stay() {

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use object::read::elf::ElfFile64;
 use object::{LittleEndian, Object, ObjectSection, ObjectSymbol, SymbolKind};
 
-const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+use crate::PLCC;
 
 /// Several blocks, so that code calls code; a clock that the runtime keeps; lines of a file.
 const PROGRAM: &str = "FUNCTION FC 1 : VOID

@@ -15,3 +15,14 @@ mod rename;
 mod stations;
 mod status;
 mod view;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// The path of plcc.
+const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+
+/// Runs plcc in a folder until it ends.
+fn plcc(folder: impl AsRef<Path>, arguments: &[&str]) -> Output {
+    Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts")
+}

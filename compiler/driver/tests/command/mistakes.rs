@@ -3,7 +3,8 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
+
+use crate::plcc;
 
 #[test]
 fn each_mistake_has_its_message() {
@@ -24,9 +25,8 @@ fn each_mistake_has_its_message() {
             Some(line) => line.to_owned(),
             None => format!("plcc check {name}"),
         };
-        let words = command.split_whitespace().skip(1);
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_plcc")).current_dir(&folder).args(words).output().expect("plcc starts");
+        let words: Vec<&str> = command.split_whitespace().skip(1).collect();
+        let output = plcc(&folder, &words);
         let found = format!(
             "{command}\n{}{}",
             String::from_utf8_lossy(&output.stdout),

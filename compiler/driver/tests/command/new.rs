@@ -2,13 +2,9 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
-
-fn plcc(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts")
-}
+use crate::{PLCC, plcc};
 
 /// Runs plcc, which must succeed; returns standard output.
 fn done(folder: &Path, arguments: &[&str]) -> String {

@@ -1,15 +1,12 @@
 //! Programs with missing parts on the command line: the compiler and the start of every run report the stand-ins.
 
 use std::fs;
-use std::path::Path;
 use std::process::{Command, Output};
+
+use crate::plcc;
 
 const SOURCE: &str =
     "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n  A \"Start\";\n  = Q 4.0;\n  CALL FC 405 (x := MW 10);\nEND_FUNCTION\n";
-
-fn plcc(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_plcc")).args(arguments).current_dir(folder).output().expect("plcc starts")
-}
 
 fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 /// Starts a program of `tests/command/partners`; it ends on its own, or after a minute.
 fn start(source: &str, port: u16) -> Child {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command/partners").join(source);
-    Command::new(env!("CARGO_BIN_EXE_plcc"))
+    Command::new(crate::PLCC)
         .arg("run")
         .arg(file)
         .args(["--cpu", "s7-1200", "--cycle-time", "2ms", "--cycles", "30000", "--print", "MW0"])

@@ -21,7 +21,7 @@ fn project(sample: &str, station: u8, network: &str) -> PathBuf {
 
 /// Starts a project; each of its scans takes a millisecond.
 fn start(project: &Path, arguments: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_plcc"))
+    Command::new(crate::PLCC)
         .arg("run")
         .arg(project)
         .args(["--clock", "virtual", "--print", "QB0"])

@@ -1,7 +1,8 @@
 //! `plcc status` looks, and leaves the files of a program alone.
 
 use std::fs;
-use std::process::Command;
+
+use crate::plcc;
 
 const PROGRAM: &str = "\
 FUNCTION_BLOCK \"Log\"
@@ -52,8 +53,7 @@ fn files_of_the_program_stay_as_they_were() {
     let words = ["status", ".", "--block", "Log", "--cycle", "2", "--scenario", "late.toml"];
     // The second run sees the same as the first: the log is not there yet.
     for _ in 0..2 {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_plcc")).current_dir(&folder).args(words).output().expect("plcc starts");
+        let output = plcc(&folder, &words);
         let (shown, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
         assert!(shown.contains("FB1 (Log), cycle 2, 10 ms, instance "), "{shown}{said}");
         assert!(shown.contains("#create.ERROR = 0"), "{shown}{said}");

@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Command;
 
-const PLCC: &str = env!("CARGO_BIN_EXE_plcc");
+use crate::{PLCC, plcc};
 
 #[test]
 fn a_page_names_all_languages_of_a_block() {
@@ -20,7 +20,7 @@ fn a_page_names_all_languages_of_a_block() {
         fs::write(folder.join("both.s7dcl"), format!("{head}{networks}END_FUNCTION\n"))
             .expect("the folder can be written");
         let arguments = ["view", "both.s7dcl", "--html", "both.html"];
-        let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+        let output = plcc(folder, &arguments);
         let page = fs::read_to_string(folder.join("both.html")).expect("it is written");
         let messages = String::from_utf8_lossy(&output.stderr);
         assert!(page.contains(&format!("\"lang\":\"{language}\"")), "{language}: {messages}");
@@ -36,8 +36,7 @@ fn a_calculation_shows_its_formula() {
                   S7_Expression := \"(IN1 + IN2) * IN3\" } Calculate( in1 := #a, in2 := #list[#i + 1], in3 := 2.0, \
                   out => %MD20 ) END_RUNG\nEND_NETWORK\nEND_FUNCTION\n";
     fs::write(folder.join("work.s7dcl"), source).expect("the folder can be written");
-    let output = Command::new(PLCC).current_dir(folder).args(["view", "work.s7dcl", "-o", "drawings"]).output();
-    let output = output.expect("plcc starts");
+    let output = plcc(folder, &["view", "work.s7dcl", "-o", "drawings"]);
     let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
     let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
     for text in [">Real<", ">OUT := (IN1 + IN2) * IN3<", ">#list[#i + 1]<"] {
@@ -55,7 +54,7 @@ fn no_page_is_written_of_what_could_not_be_read() {
     }
     for (input, code) in [("missing.scl", 2), (".", 3)] {
         let arguments = ["view", input, "--html", "page.html", "-o", "drawings"];
-        let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+        let output = plcc(folder, &arguments);
         assert_eq!(output.status.code(), Some(code), "{}", String::from_utf8_lossy(&output.stderr));
         assert_eq!(String::from_utf8_lossy(&output.stdout), "", "{input}");
         assert!(!folder.join("page.html").exists() && !folder.join("drawings").exists(), "{input}");
@@ -77,7 +76,7 @@ fn a_call_of_an_instance_in_the_block_shows_the_block() {
     fs::write(folder.join("lamps.stl"), format!("{lamp}{list}")).expect("the folder can be written");
     fs::write(folder.join("drawn.s7dcl"), drawn).expect("the folder can be written");
     let arguments = ["view", "lamps.stl", "drawn.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
-    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let output = plcc(folder, &arguments);
     let pictures = fs::read_dir(folder.join("drawings")).into_iter().flatten().flatten();
     let pictures: String = pictures.map(|file| fs::read_to_string(file.path()).expect("it is a text")).collect();
     assert!(pictures.contains(">#one<"), "{}", String::from_utf8_lossy(&output.stderr));
@@ -99,7 +98,7 @@ fn an_address_in_an_action_of_a_chart_is_drawn_as_elsewhere() {
     let symbols = "\"Ready\",\"M 11.6\",\"BOOL\",\"\"\n\"Open M11.6 now\",\"M 11.5\",\"BOOL\",\"\"\n";
     fs::write(folder.join("symbols.sdf"), symbols).expect("the folder can be written");
     let arguments = ["view", "run.gr7", "symbols.sdf", "--cpu", "315-2DP", "-o", "drawings"];
-    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let output = plcc(folder, &arguments);
     let picture = fs::read_to_string(folder.join("drawings/FB_1.svg"));
     let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
     for text in [
@@ -124,7 +123,7 @@ fn a_chart_with_german_addresses_is_drawn_with_them() {
     let symbols = "\"Level\",\"EW  6\",\"INT\",\"\"\n\"Parts\",\"Z   1\",\"COUNTER\",\"\"\n";
     fs::write(folder.join("symbols.sdf"), symbols).expect("the folder can be written");
     let arguments = ["view", "run.gr7", "symbols.sdf", "--cpu", "315-2DP", "-o", "drawings"];
-    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let output = plcc(folder, &arguments);
     let picture = fs::read_to_string(folder.join("drawings/FB_1.svg"));
     let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
     for text in
@@ -147,7 +146,7 @@ fn timers_and_counters_have_all_of_their_outputs() {
                   END_FUNCTION_BLOCK\n";
     fs::write(folder.join("wait.s7dcl"), source).expect("the folder can be written");
     let arguments = ["view", "wait.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
-    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let output = plcc(folder, &arguments);
     let picture = |number: usize| {
         let path = folder.join(format!("drawings/FB_1_network_{number}.svg"));
         fs::read_to_string(path).unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)))
@@ -171,8 +170,7 @@ fn a_view_without_an_output_names_both_kinds() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("lamp.stl"), "      A     I 0.0\n      =     Q 4.0\n")
         .expect("the folder can be written");
-    let output =
-        Command::new(PLCC).current_dir(folder.path()).args(["view", "lamp.stl"]).output().expect("plcc starts");
+    let output = plcc(&folder, &["view", "lamp.stl"]);
     assert_eq!(output.status.code(), Some(2));
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(message.contains("--out <DIR>|--html <FILE.html>"), "{message}");
@@ -189,7 +187,7 @@ fn a_view_says_what_it_has_written() {
         (&["-o", "page.html"], 2, "plcc: -o page.html: this is a file; write `--html page.html` for one page"),
     ] {
         let arguments = [&["view", "lamp.stl"], flags].concat();
-        let output = Command::new(PLCC).current_dir(folder).args(&arguments).output().expect("plcc starts");
+        let output = plcc(folder, &arguments);
         let said = if status == 0 { &output.stdout } else { &output.stderr };
         assert_eq!(output.status.code(), Some(status));
         assert!(String::from_utf8_lossy(said).starts_with(says), "{}", String::from_utf8_lossy(said));
@@ -219,8 +217,7 @@ fn a_folder_without_drawings_is_explained() {
         "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  %Q0.0 := %I0.0;\nEND_ORGANIZATION_BLOCK\n",
     )
     .expect("the folder can be written");
-    let output = Command::new(PLCC).current_dir(folder).args(["view", "main.scl", "-o", "drawings"]).output();
-    let output = output.expect("plcc starts");
+    let output = plcc(folder, &["view", "main.scl", "-o", "drawings"]);
     let messages = String::from_utf8_lossy(&output.stderr);
     assert!(messages.contains("no networks and no charts"), "{messages}");
 }
@@ -241,8 +238,7 @@ fn arrows(steps: usize, transitions: &[(&str, &str)]) -> Vec<String> {
     source.push_str("END_FUNCTION_BLOCK\n");
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("chart.gr7"), source).expect("the folder can be written");
-    let output = Command::new(PLCC).current_dir(folder.path()).args(["view", "chart.gr7", "-o", "pictures"]).output();
-    let output = output.expect("plcc starts");
+    let output = plcc(&folder, &["view", "chart.gr7", "-o", "pictures"]);
     let messages = String::from_utf8_lossy(&output.stderr);
     let picture = fs::read_to_string(folder.path().join("pictures/FB_1.svg")).unwrap_or_else(|_| panic!("{messages}"));
     let texts = picture.lines().filter(|line| line.starts_with("<text class=\"m\""));
