@@ -11,6 +11,7 @@ pub mod whole;
 mod without_stl;
 
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use plcc_abi::image::Family;
@@ -513,10 +514,18 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted], compa
                 report::say(&format!("cannot make the folder `{}`: {error}", output.display()));
                 return Err(exit::USAGE);
             }
+            let mut used = BTreeSet::new();
             for file in files {
                 let name = Path::new(&file.name);
                 let name = extension.map_or_else(|| name.to_path_buf(), |extension| name.with_extension(extension));
-                texts.extend(named(args, file, output.join(name.file_name().unwrap_or_default())));
+                let path = output.join(name.file_name().unwrap_or_default());
+                let own = unused(&path, &used);
+                if own != path {
+                    let (source, own) = (&file.name, own.display());
+                    report::say(&format!("`{source}` becomes `{own}`: another source has its name"));
+                }
+                used.insert(own.clone());
+                texts.extend(named(args, file, own));
             }
             for Companion { name, bytes, yields } in companions {
                 let path = output.join(name);
@@ -534,6 +543,20 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted], compa
         }
     }
     texts.iter().try_for_each(|(path, text)| write(path, text))
+}
+
+/// The path, with a number at its name if another file has it: `Main.xml`, `Main-2.xml`.
+fn unused(path: &Path, used: &BTreeSet<PathBuf>) -> PathBuf {
+    let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
+    let stem = part(path.file_stem());
+    let end = path.extension().map_or_else(String::new, |extension| format!(".{}", part(Some(extension))));
+    let mut own = path.to_path_buf();
+    let mut number = 2;
+    while used.contains(&own) {
+        own.set_file_name(format!("{stem}-{number}{end}"));
+        number += 1;
+    }
+    own
 }
 
 /// The text of a file at its path, and what is beside it.
