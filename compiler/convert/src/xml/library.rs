@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use plcc_stdlib::BlockClass;
 use plcc_syntax::ast::{
-    Block, BlockName, BlockPrefix, CodeKind, DataBlock, DataContent, Section, SourceUnit, TypeKind, TypeRef, Variable,
+    Block, BlockName, BlockPrefix, CodeKind, DataBlock, DataContent, PathPart, Section, SourceUnit, TypeKind, TypeRef,
+    Variable,
 };
 use plcc_syntax::symbols::{SymbolTable, SymbolTarget, parse_address};
 
@@ -21,8 +22,8 @@ pub struct Library {
     members: HashMap<String, Vec<Variable>>,
     /// Data types.
     pub(super) types: Vec<String>,
-    /// Data blocks.
-    data: Vec<String>,
+    /// Data blocks, with the types of what they declare.
+    data: HashMap<String, Option<TypeRef>>,
     /// Blocks of instance data blocks.
     pub(super) instances: HashMap<String, BlockName>,
     /// Types of components of data blocks.
@@ -73,7 +74,14 @@ impl Library {
                 }
                 Block::Data(block) => {
                     let name = library.folded(&block.name);
-                    library.data.push(name.clone());
+                    let content = match &block.content {
+                        DataContent::OfType(ty) | DataContent::Array(ty, _) => Some(ty.clone()),
+                        DataContent::Struct(members) => {
+                            Some(TypeRef { kind: TypeKind::Struct(members.clone()), span: block.span })
+                        }
+                        DataContent::Empty => None,
+                    };
+                    library.data.insert(name.clone(), content);
                     match &block.content {
                         DataContent::OfType(ty) => {
                             let of = match &ty.kind {
@@ -151,6 +159,25 @@ impl Library {
             _ => return None,
         };
         self.members.get(&name).or_else(|| self.system.get(&name)).map(Vec::as_slice)
+    }
+
+    /// The type of what a data block declares.
+    pub(super) fn content(&self, block: &str) -> Option<&TypeRef> {
+        self.data.get(&block.to_lowercase())?.as_ref()
+    }
+
+    /// The type of the part of a value that a path leads to.
+    pub(super) fn part<'s>(&'s self, of: &'s TypeRef, path: &[PathPart]) -> Option<&'s TypeRef> {
+        path.iter().try_fold(of, |of, part| match (part, &of.kind) {
+            (PathPart::Member { name, .. }, _) => {
+                let member = self.members(of)?.iter().find(|member| member.name.eq_ignore_ascii_case(name))?;
+                Some(&member.ty)
+            }
+            (PathPart::Index { .. }, TypeKind::Array { element, .. } | TypeKind::OpenArray { element, .. }) => {
+                Some(element.as_ref())
+            }
+            (PathPart::Index { .. }, _) => None,
+        })
     }
 
     /// The instruction whose data a block has that declares their components, as the TIA Portal writes it in sources.
@@ -244,7 +271,7 @@ pub(super) fn referred(name: &BlockName, library: &Library, writer: &mut Writer)
     let found = library.own_name(name);
     if let BlockName::Numbered { span, .. } = name
         && !library.members.contains_key(&found.to_lowercase())
-        && !library.data.contains(&found.to_lowercase())
+        && !library.data.contains_key(&found.to_lowercase())
     {
         let title = format!("{} has no name, and SimaticML names blocks", writer.block_name(name));
         writer.refuse(*span, title, "add the source of the block, or name it by its symbol");

@@ -311,11 +311,17 @@ impl Maker<'_, '_, '_> {
         }
     }
 
+    /// The name of the type of an instance that the block or a data block declares, also as a component or an element.
     fn declared(&self, path: &Path) -> Option<String> {
-        let (PathRoot::Local { name, .. } | PathRoot::Bare { name, .. }) = &path.root else { return None };
-        let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
-        let variable = variables.find(|variable| variable.name.eq_ignore_ascii_case(name))?;
-        match &variable.ty.kind {
+        let root = match &path.root {
+            PathRoot::Local { name, .. } | PathRoot::Bare { name, .. } => {
+                let mut variables = self.block.sections.iter().flat_map(|section| &section.variables);
+                &variables.find(|variable| variable.name.eq_ignore_ascii_case(name))?.ty
+            }
+            PathRoot::Quoted { name, .. } => self.library.content(name)?,
+            PathRoot::Block(name) => self.library.content(&self.library.own_name(name))?,
+        };
+        match &self.library.part(root, &path.parts)?.kind {
             plcc_syntax::ast::TypeKind::Block(name) => Some(self.library.block_name(name)),
             plcc_syntax::ast::TypeKind::Named(name) => Some(name.clone()),
             _ => None,

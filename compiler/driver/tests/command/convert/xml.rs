@@ -458,3 +458,54 @@ fn names_of_instructions_with_shared_data_stay() {
     done(&folder, &["convert", &export, "--to", "xml", "-o", "a.xml"]);
     expect_passed(&folder, &["a.xml"], 4);
 }
+
+/// Calls of instances in data blocks, in structures and in arrays.
+#[test]
+fn calls_of_instances_inside_data_come_back() {
+    const STL: &str = r#"//@ cpu s7-1500
+DATA_BLOCK "Line"
+VERSION : 0.1
+STRUCT
+  first : TON_TIME;
+  others : ARRAY[0..3] OF CTU_INT;
+END_STRUCT
+BEGIN
+END_DATA_BLOCK
+TYPE "Cell"
+STRUCT
+  count : CTU_INT;
+END_STRUCT
+END_TYPE
+FUNCTION_BLOCK "Plant"
+VERSION : 0.1
+VAR
+  cell : "Cell";
+  counts : ARRAY[0..3] OF CTU_INT;
+END_VAR
+BEGIN
+NETWORK
+      CALL "Line".first (IN := TRUE, PT := T#5S, Q := M 0.1);
+      CALL "Line".others[2] (CU := TRUE, R := FALSE, PV := 1, Q := M 0.2);
+      CALL #cell.count (CU := TRUE, R := FALSE, PV := 1, Q := M 0.3);
+      CALL #counts[1] (CU := TRUE, R := FALSE, PV := 1, Q := M 0.4);
+//@ assert "Line".first.PT == T#5S
+//@ assert MB0 == 16#1C
+//@ assert "Line".others[2].CV == 1
+//@ assert #cell.count.CV == 1
+//@ assert #counts[1].CV == 1
+      NOP   0;
+END_FUNCTION_BLOCK
+DATA_BLOCK "Plant_DB" "Plant"
+BEGIN
+END_DATA_BLOCK
+ORGANIZATION_BLOCK "Main"
+VERSION : 0.1
+BEGIN
+NETWORK
+      CALL "Plant", "Plant_DB";
+END_ORGANIZATION_BLOCK
+"#;
+    let folder = folder_with(&[("a.stl", STL)]);
+    done(&folder, &["convert", "a.stl", "--to", "xml", "-o", "made.xml"]);
+    expect_passed(&folder, &["made.xml", "--cpu", "1511-1"], 5);
+}
