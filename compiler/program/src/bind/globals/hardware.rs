@@ -4,16 +4,17 @@
 //!
 //! Source: LAD/FBD reference for S7-1200, data types HW_*, EVENT_* and OB_*; optimised and standard access.
 
+use plcc_abi::image::BlockKind;
 use plcc_abi::technology::{EVENT_ID, HSC_ID, PULSE_ID};
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, BlockPrefix};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix};
 
 use crate::bind::globals::Globals;
-use crate::bind::trees::blocks::is_optimized;
+use crate::bind::trees::blocks::{is_optimized, states_access};
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
-use plcc_model::profile;
 use plcc_model::types::Elementary;
+use plcc_model::{BlockKey, profile};
 use plcc_syntax::symbols::SymbolTarget;
 
 /// Hardware identifiers that each CPU has, by folded name.
@@ -65,16 +66,38 @@ impl Globals<'_> {
 
     fn check_standard_access(&mut self, number: u16, span: Span, title: String) -> Option<()> {
         let Some(data) = self.sources.data.get(&number).copied() else { return Some(()) };
-        if !self.input.profile.family.is_portal() || !is_optimized(&data.header) {
+        if !self.input.profile.family.is_portal() {
             return Some(());
         }
+        let Some((stated, of)) = self.optimized_by(data) else { return Some(()) };
         self.report.push(
             Diagnostic::new(Code::OperandKind, span, title)
                 .label(format!("DB {number} has no addresses"))
-                .also(data.name.span(), "`S7_Optimized_Access` is TRUE here")
-                .help("write the name of the component, or switch off the optimised access of the data block"),
+                .also(stated, "`S7_Optimized_Access` is TRUE here")
+                .help(format!("write the name of the component, or switch off the optimised access of {of}")),
         );
         None
+    }
+
+    /// Where a block states that a data block has optimised access, and which one: itself, or else the function block whose instance
+    /// it is.
+    fn optimized_by(&self, data: &ast::DataBlock) -> Option<(Span, &'static str)> {
+        if states_access(&data.header) {
+            return is_optimized(&data.header).then(|| (data.name.span(), "the data block"));
+        }
+        let ast::DataContent::OfType(ast::TypeRef { kind: ast::TypeKind::Block(name), .. }) = &data.content else {
+            return None;
+        };
+        let (prefix, number) = match name {
+            BlockName::Numbered { prefix, number, .. } => (*prefix, *number),
+            BlockName::Symbol { name, .. } => match self.names.symbols.get(&fold(name))?.target {
+                SymbolTarget::Block { prefix, number } => (prefix, number),
+                SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => return None,
+            },
+        };
+        let key = BlockKey { kind: BlockKind::Fb, number: u16::try_from(number).ok()? };
+        let block = self.sources.code.get(&key).filter(|_| prefix == BlockPrefix::Fb)?.block();
+        is_optimized(&block.header).then(|| (block.name.span(), "the function block"))
     }
 
     /// Reports a view in a block with optimised access.

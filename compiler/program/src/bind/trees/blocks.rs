@@ -11,10 +11,18 @@ const OPTIMIZED_ATTRIBUTES: [&str; 2] = ["S7_Optimized_Access", "S7_Optimized"];
 
 /// The block has optimised access by its attributes.
 pub fn is_optimized(header: &ast::Header) -> bool {
-    header.attributes.iter().any(|(name, value)| {
-        OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name))
-            && value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE")
-    })
+    access(header).any(|value| value.trim().trim_matches(['\'', '"']).eq_ignore_ascii_case("TRUE"))
+}
+
+/// Whether the attributes of a block say if its access is optimised.
+pub fn states_access(header: &ast::Header) -> bool {
+    access(header).next().is_some()
+}
+
+/// What the attributes of a block say about its access.
+fn access(header: &ast::Header) -> impl Iterator<Item = &String> {
+    let is_access = |name: &str| OPTIMIZED_ATTRIBUTES.iter().any(|known| known.eq_ignore_ascii_case(name));
+    header.attributes.iter().filter(move |(name, _)| is_access(name)).map(|(_, value)| value)
 }
 
 /// Whether an attribute says FALSE.
