@@ -159,8 +159,14 @@ impl Look<'_, '_> {
         let block = plcc_stdlib::find_tia(name).or_else(|| plcc_stdlib::find_name(name))?;
         let key = self.program.globals.library.key_of(block);
         let prefix = crate::bind::globals::names::kind_prefix(key.kind);
-        let has_data = matches!(prefix, BlockPrefix::Fb | BlockPrefix::Sfb);
-        let of = Missing::block(prefix, u32::from(key.number)).filter(|_| has_data)?;
+        if !matches!(prefix, BlockPrefix::Fb | BlockPrefix::Sfb) {
+            return None;
+        }
+        // No source can name an instruction of the TIA Portal by a number.
+        let of = match block.is_tia() {
+            true => Missing::name(block.name),
+            false => Missing::block(prefix, u32::from(key.number))?,
+        };
         Some((key, of))
     }
 
