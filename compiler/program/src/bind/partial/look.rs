@@ -117,6 +117,9 @@ impl<'a> Look<'_, 'a> {
         let hint = match value? {
             Value::Elementary(expr) if is_address && expr.ty != Elementary::Bool => Hint::Width(expr.ty),
             Value::Elementary(expr) => Hint::Type(DataType::Elementary(expr.ty)),
+            Value::Constant(Constant::Dtl(_), _) => {
+                Hint::Type(self.quietly(|program| program.predefined("DTL", node.span))?.ty)
+            }
             Value::Constant(constant, _) => of_constant(&constant),
             Value::Complex { ty, .. } => Hint::Type(ty),
             Value::Parameter { access, .. } => Hint::Type(access.ty),

@@ -101,12 +101,24 @@ impl Look<'_, '_> {
         if of_value.is_none() {
             self.expect(ctx, value, wanted.as_ref());
         }
+        self.structure(ctx, value, wanted.as_ref());
         let condition = is_condition(value).then(|| typed(Elementary::Bool));
         let given = surest([of_value, wanted]).or(condition);
         for ((target, _), known) in targets.iter().zip(of_targets) {
             if known.is_none() {
                 self.expect(ctx, target, given.as_ref());
             }
+            self.structure(ctx, target, given.as_ref());
+        }
+    }
+
+    /// Teaches a place its type as a whole, if it is a data type: components that are used show only what they are themselves.
+    fn structure(&mut self, ctx: &mut SclBlock, node: &Node, hint: Option<&Hint>) {
+        if let Some(Hint::Type(DataType::Struct(structure))) = hint
+            && !structure.name.is_empty()
+            && let Some((start, steps, span)) = self.steps(ctx, node)
+        {
+            self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.learn(hint));
         }
     }
 

@@ -249,6 +249,8 @@ fn kind_of(missing: &Missing, shape: &Shape) -> Kind {
         Some(_) => Kind::Function,
         None => match shape.cell {
             Some(kind) => Kind::Cell(kind),
+            // A tag can have a data type as well.
+            None if has_components(shape) && !shape.is_db && shape.extent == 0 => Kind::Tag,
             None if !shape.members.is_empty() || shape.is_db || shape.extent > 0 => Kind::DataBlock,
             None => Kind::Tag,
         },
@@ -437,12 +439,19 @@ fn elementary_of(shape: &Shape) -> Option<Elementary> {
     }
 }
 
+/// Whether a name is used as a whole with a structure that has all components of the name.
+fn has_components(shape: &Shape) -> bool {
+    let Some(DataType::Struct(structure)) = &shape.ty else { return false };
+    let has = |folded: &str| structure.members.iter().any(|member| fold(&member.name) == folded);
+    !shape.members.is_empty() && shape.members.iter().all(|(folded, _)| has(folded))
+}
+
 /// The type that the uses of a name show, as written in a declaration.
 fn type_of(shape: &Shape, span: Span) -> TypeRef {
     if let Some(of) = &shape.of {
         return TypeRef { kind: TypeKind::Block(name_of(of, &Shape::default(), span)), span };
     }
-    if !shape.members.is_empty() {
+    if !shape.members.is_empty() && !has_components(shape) {
         return TypeRef { kind: TypeKind::Struct(members(shape, span)), span };
     }
     match (&shape.elements, &shape.ty) {
