@@ -1,11 +1,11 @@
 //! `plcc lsp`.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use lsp_server::Connection;
 use plcc_lsp::{Checked, Facts, FunctionFacts, Host, Open, ParameterFacts};
-use plcc_model::Program;
+use plcc_model::{Direction, Program};
 use plcc_program::tables::scl::{Parameter, Rules, Signature, signatures};
 
 use crate::command::exit;
@@ -54,24 +54,33 @@ impl Host for Files {
     }
 }
 
-/// The functions of SCL that the CPU of a program has.
+/// The functions of SCL that the CPU of a program has. Finding them takes longer than checking a small program, so it is done once.
 fn functions(program: &Program) -> Vec<FunctionFacts> {
-    let rules = if program.profile.family.is_portal() { Rules::Tia1500 } else { Rules::Classic };
+    static CLASSIC: OnceLock<Vec<FunctionFacts>> = OnceLock::new();
+    static PORTAL: OnceLock<Vec<FunctionFacts>> = OnceLock::new();
+    let (found, rules) = match program.profile.family.is_portal() {
+        true => (&PORTAL, Rules::Tia1500),
+        false => (&CLASSIC, Rules::Classic),
+    };
     let function = |one: Signature| FunctionFacts {
         name: one.name,
         parameters: one.parameters.into_iter().map(parameter).collect(),
         is_typed: one.is_typed,
     };
-    signatures(rules).into_iter().map(function).collect()
+    found.get_or_init(|| signatures(rules).into_iter().map(function).collect()).clone()
 }
 
 fn parameter(one: Parameter) -> ParameterFacts {
-    let mut names = one.names.into_iter().map(str::to_owned);
+    let mut names = one.names.into_iter();
     ParameterFacts {
         name: names.next().unwrap_or_default(),
         also: names.collect(),
-        direction: if one.is_output { "OUT" } else { "IN" },
-        ty: one.ty.map(|ty| ty.name().to_owned()).unwrap_or_default(),
+        direction: match one.direction {
+            Direction::Input => "IN",
+            Direction::Output => "OUT",
+            Direction::InOut => "IN_OUT",
+        },
+        ty: one.ty,
         is_numbered: one.is_numbered,
         is_optional: one.is_optional,
     }

@@ -62,6 +62,24 @@ fn constants_and_labels_of_scl_are_names() {
     assert_eq!(labels(&found), ["force", "forces", "n", "LIMIT", "LAST"]);
 }
 
+/// Also those that no call names yet.
+#[test]
+fn functions_of_the_library_and_conversions_of_texts_are_proposed() {
+    let mut editor = Editor::new("words");
+    editor.open("words.scl");
+    assert_eq!(editor.messages("words.scl"), Vec::<String>::new());
+    let found = editor.at("textDocument/completion", "words.scl", "#sum := |#sum + to");
+    for word in ["LEN", "T_COMBINE", "RD_SYS_T", "INT_TO_STRING", "STRING_TO_UINT", "WSTRING_TO_REAL", "DTL_TO_DATE"] {
+        assert_eq!(labels(&found).iter().filter(|own| **own == word).count(), 1, "{word} in {found}");
+    }
+    for word in ["TEXT_FIND", "STRNG_I", "BYTE_TO_STRING", "DTL_TO_INT", "TON"] {
+        assert!(!labels(&found).contains(&word), "{word} is in {found}");
+    }
+    editor.edit("words.scl", "#sum + to;", "#sum + FIND(IN1 := 'a', IN2 := 'b');");
+    let found = editor.at("textDocument/signatureHelp", "words.scl", "FIND(IN1 := '|a'");
+    assert_eq!(found["signatures"][0]["label"], json!("FIND(IN1 : STRING[254] IN, IN2 : STRING[254] IN)"));
+}
+
 #[test]
 fn steps_and_blocks_of_the_library_are_known() {
     let mut editor = Editor::new("door");

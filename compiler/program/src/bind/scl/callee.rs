@@ -7,6 +7,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::BlockKey;
 use plcc_model::scl::Instance;
 use plcc_model::types::DataType;
+use plcc_stdlib::SystemBlock;
 use plcc_syntax::ast::{BlockName, BlockPrefix, OperandKind};
 use plcc_syntax::scl;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
@@ -17,6 +18,23 @@ use super::function::Named;
 use crate::bind::globals::names::code_kind;
 use crate::bind::scl::{SclBinder, SclBlock};
 use crate::bind::trees::SYSTEM_FILE;
+
+/// The library block with the name of a function. One name can mean different blocks in STEP 7 V5 and in the TIA Portal.
+pub fn library_block(rules: Rules, name: &str) -> Option<&'static SystemBlock> {
+    let name = name.trim();
+    // `LEFT_STRING`, next to `LEFT_WSTRING`.
+    let narrow = || {
+        let base = name.len().checked_sub(7).and_then(|at| name.split_at_checked(at))?;
+        let both =
+            base.1.eq_ignore_ascii_case("_STRING") && plcc_stdlib::find_tia(&format!("{}_WSTRING", base.0)).is_some();
+        plcc_stdlib::find_tia(base.0).filter(|_| both)
+    };
+    let (classic, tia) = (|| plcc_stdlib::find_name(name), || plcc_stdlib::find_tia(name).or_else(narrow));
+    match rules {
+        Rules::Classic => classic().or_else(tia),
+        Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),
+    }
+}
 
 /// The target of a call.
 pub enum Callee {
@@ -125,22 +143,9 @@ impl SclBinder<'_, '_> {
             && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
     }
 
-    /// The library block with the name of a function. One name can mean different blocks in STEP 7 V5 and in the TIA Portal.
+    /// The library block with the name of a function, if the program does not mean its own.
     pub fn library_function(&self, rules: Rules, name: &str) -> Option<BlockKey> {
-        let name = name.trim();
-        // `LEFT_STRING`, next to `LEFT_WSTRING`.
-        let narrow = || {
-            let base = name.len().checked_sub(7).and_then(|at| name.split_at_checked(at))?;
-            let both = base.1.eq_ignore_ascii_case("_STRING")
-                && plcc_stdlib::find_tia(&format!("{}_WSTRING", base.0)).is_some();
-            plcc_stdlib::find_tia(base.0).filter(|_| both)
-        };
-        let (classic, tia) = (|| plcc_stdlib::find_name(name), || plcc_stdlib::find_tia(name).or_else(narrow));
-        let block = match rules {
-            Rules::Classic => classic().or_else(tia),
-            Rules::Tia300 | Rules::Tia1200 | Rules::Tia1500 => tia().or_else(classic),
-        };
-        block
+        library_block(rules, name)
             .filter(|block| !self.program.globals.library.is_foreign(block))
             .map(|block| self.program.globals.library.key_of(block))
     }

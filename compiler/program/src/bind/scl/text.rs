@@ -2,11 +2,11 @@
 //! standard library. Source: SCL reference, strings, conversions.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
+use plcc_syntax::{Class, Elementary};
 
 use super::call::is_result;
-use super::callee::Callee;
+use super::callee::{Callee, library_block};
 use super::compare::number_type;
 use super::function::Named;
 use super::numeric::Shape;
@@ -45,6 +45,52 @@ pub fn is_conversion(name: &str) -> bool {
     let known = |word: &str| WORDS.contains(&word) || Elementary::from_word(word).is_some();
     name.split_once("_TO_")
         .is_some_and(|(from, to)| known(from) && known(to) && (WORDS.contains(&from) || WORDS.contains(&to)))
+}
+
+/// The names of conversions of texts and of dates of several bytes, with the type of what they convert. Texts of bit strings are not
+/// proposed, and of STEP 7 V5 only the conversions that it has a block for.
+pub fn conversions(rules: Rules) -> Vec<(String, &'static str)> {
+    if rules == Rules::Classic {
+        let classic = CLASSIC.iter().chain(&[("CHAR_TO_STRING", "")]);
+        return classic.map(|(name, _)| ((*name).to_string(), name.split("_TO_").next().unwrap_or_default())).collect();
+    }
+    let is_known = |ty: &Elementary| !rules.is_300() || convert::on_300(*ty);
+    let elementary = Elementary::ALL.into_iter().filter(|ty| ty.class() != Class::Bits && is_known(ty));
+    let several = WORDS.into_iter().filter(|word| *word != "DATE_AND_TIME");
+    let several = several.filter(|word| !rules.is_300() || matches!(*word, "STRING" | "DT"));
+    let words: Vec<&'static str> = elementary.map(|ty| short(ty.name())).chain(several).collect();
+    let pairs = words.iter().flat_map(|from| words.iter().map(move |to| (*from, *to)));
+    let own = pairs.filter(|(from, to)| from != to && (WORDS.contains(from) || WORDS.contains(to)));
+    let is_letter = |from: &str, to: &str| matches!((from, to), ("CHAR", "STRING") | ("WCHAR", "WSTRING"));
+    own.filter(|(from, to)| is_letter(from, to) || has_conversion(rules, from, to))
+        .map(|(from, to)| (format!("{from}_TO_{to}"), from))
+        .collect()
+}
+
+/// Whether [`SclBinder::converted_text`] finds blocks for a conversion.
+fn has_conversion(rules: Rules, from: &str, to: &str) -> bool {
+    let find = |name: &str| library_block(rules, name);
+    let is_block = |from: &str, to: &str| block_of_conversion(rules, from, to, find).is_some();
+    let through = |word: &str, is_block: &dyn Fn(&str) -> bool| {
+        let widths = std::iter::successors(Elementary::from_word(word), |ty| wider(*ty));
+        widths.skip(1).any(|ty| is_block(ty.name()))
+    };
+    match (from, to) {
+        _ if is_block(from, to) => true,
+        _ if through(from, &|from: &str| is_block(from, to)) || through(to, &|to: &str| is_block(from, to)) => true,
+        (from, "WSTRING") if from != "STRING" => has_conversion(rules, from, "STRING"),
+        ("WSTRING", to) if to != "STRING" => has_conversion(rules, "STRING", to),
+        _ => false,
+    }
+}
+
+/// What `find` has for the name of the block that converts. The TIA Portal has other rules for the form of a text.
+fn block_of_conversion<T>(rules: Rules, from: &str, to: &str, find: impl Fn(&str) -> Option<T>) -> Option<T> {
+    let name = format!("{from}_TO_{to}");
+    let classic = CLASSIC.iter().find(|(known, _)| *known == name).map(|(_, block)| *block);
+    let own = || find(&name);
+    let old = || find(classic?);
+    if rules == Rules::Classic { old().or_else(own) } else { own().or_else(old) }
 }
 
 /// A type's name in names of conversions, shortened.
@@ -236,12 +282,8 @@ impl SclBinder<'_, '_> {
     }
 
     fn conversion_block(&self, ctx: &SclBlock, from: &str, to: &str) -> Option<BlockKey> {
-        let name = format!("{from}_TO_{to}");
-        let classic = CLASSIC.iter().find(|(known, _)| *known == name).map(|(_, block)| *block);
-        let own = || self.library_function(ctx.scope.rules, &name);
-        let old = || self.library_function(ctx.scope.rules, classic?);
-        // The TIA Portal has other rules for the form of a text.
-        if ctx.scope.rules == Rules::Classic { old().or_else(own) } else { own().or_else(old) }
+        let rules = ctx.scope.rules;
+        block_of_conversion(rules, from, to, |name| self.library_function(rules, name))
     }
 
     fn wider_block(
