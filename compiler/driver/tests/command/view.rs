@@ -44,6 +44,42 @@ fn a_calculation_shows_its_formula() {
     }
 }
 
+/// Timers and counters of the S7-300/400: a box shows all pins, those without an operand too; with nothing but its time a timer is a coil.
+#[test]
+fn a_box_of_a_timer_has_all_pins_and_a_coil_is_a_coil() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let rungs = [
+        "S_ODT( timer := %T1, tv := %MW2 ) Coil( %M10.0 )",
+        "S_Cu( counter := %C1, r := %M0.1, cv => %MW20 )",
+        "SF_Coil( timer => %T2, pt := %MW4 )",
+    ];
+    let network = |rung: &str| {
+        format!(
+            "{{ S7_Language := \"LAD\" }}\nNETWORK\n  RUNG wire#powerrail Contact( %M0.0 ) {rung} END_RUNG\nEND_NETWORK\n"
+        )
+    };
+    let networks: String = rungs.map(network).concat();
+    fs::write(folder.join("cells.s7dcl"), format!("FUNCTION Cells : Void\n{networks}END_FUNCTION\n"))
+        .expect("the folder can be written");
+    let arguments = ["view", "cells.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let shown = |number: usize| {
+        let picture = fs::read_to_string(folder.join(format!("drawings/FC_1_network_{number}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        let texts = picture.split("</text>").filter_map(|text| text.rsplit('>').next().map(str::to_owned));
+        texts.filter(|text| !text.trim().is_empty()).collect::<Vec<String>>()
+    };
+    for (number, pins) in
+        [(1, &["S", "Q", "TV", "BI", "R", "BCD"][..]), (2, &["CU", "Q", "S", "CV", "PV", "CV_BCD", "R"])]
+    {
+        let shown = shown(number);
+        let own: Vec<&str> = shown.iter().map(String::as_str).filter(|text| pins.contains(text)).collect();
+        assert_eq!(own, pins, "{shown:?}");
+    }
+    assert_eq!(shown(3), ["M0.0", "SF", "T2", "MW4"]);
+}
+
 #[test]
 fn no_page_is_written_of_what_could_not_be_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");

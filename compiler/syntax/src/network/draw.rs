@@ -23,7 +23,7 @@ use plan::Plan;
 use shape::Shape;
 
 pub use operand::{formula, operand, whole};
-pub use shape::symbol;
+pub use shape::{is_timer_box, symbol};
 
 /// Most elements of a drawing; those next to the marked one are shown.
 const ELEMENTS_MAX: usize = 24;

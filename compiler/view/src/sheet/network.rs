@@ -22,7 +22,7 @@ pub fn has_cells(network: &Network) -> bool {
     let is_cell = |element: &Element| match &element.target {
         Target::Element { row, .. } => match row.kind {
             Kind::FlipFlop { .. } | Kind::S5Counter(_) => true,
-            Kind::S5Timer(_) => ["r", "bi", "bcd", "q"].iter().any(|name| element.pin(name).is_some()),
+            Kind::S5Timer(_) => draw::is_timer_box(element),
             _ => false,
         },
         Target::Block { .. } => false,
@@ -56,6 +56,7 @@ fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, la
     for (at, element) in graph.elements.iter().enumerate() {
         if let Target::Element { row, .. } = &element.target {
             sheet.add_outputs(at, row);
+            sheet.complete_cell(at, row);
         }
     }
     if language == Language::Fbd {
@@ -81,6 +82,8 @@ fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
         let place = match (small, is_flow) {
             (_, true) => Place::Side,
             (false, false) => box_place(element, &pin.name),
+            // The time of a timer, wherever the file has it.
+            (true, false) if pin.name == "tv" => Place::Below,
             (true, false) => {
                 places += 1;
                 if places == 1 { Place::Above } else { Place::Below }
@@ -279,6 +282,49 @@ impl Sheet {
                 }
             }
             next = own.unwrap_or(next) + 1;
+        }
+    }
+
+    /// The box of a timer or counter of the S7-300/400 has all of its pins, in the order of the table.
+    fn complete_cell(&mut self, at: usize, row: &Row) {
+        let part = &mut self.parts[at];
+        let left_out: &[&str] = match row.kind {
+            Kind::S5Timer(_) if matches!(part.look, Look::Box { .. }) => &["timer", "out"],
+            Kind::S5Counter("S_CU") => &["counter", "cd"],
+            Kind::S5Counter("S_CD") => &["counter", "cu"],
+            Kind::S5Counter(_) => &["counter"],
+            _ => return,
+        };
+        let mut old: Vec<Option<Pin>> = std::mem::take(&mut part.pins).into_iter().map(Some).collect();
+        let mut moved = vec![0; old.len()];
+        let mut pins: Vec<Pin> = Vec::new();
+        for known in row.pins() {
+            let before = pins.len();
+            for (own, to) in old.iter_mut().zip(&mut moved) {
+                if own.as_ref().is_some_and(|own| known.matches(&own.name).is_some()) {
+                    *to = pins.len();
+                    pins.extend(own.take());
+                }
+            }
+            if pins.len() == before && !left_out.contains(&known.name()) {
+                let (name, output) = (known.name().to_uppercase(), known.direction == PinDirection::Output);
+                pins.push(Pin { name, place: Place::Side, output, link: Link::Open, negated: false });
+            }
+        }
+        for (own, to) in old.iter_mut().zip(&mut moved).filter(|(own, _)| own.is_some()) {
+            *to = pins.len();
+            pins.extend(own.take());
+        }
+        part.flow_in = part.flow_in.map(|pin| moved[pin]);
+        let open = pins.iter().position(|pin| pin.output && row.flow.1.eq_ignore_ascii_case(&pin.name));
+        part.flow_out = part.flow_out.map(|pin| moved[pin]).or(open);
+        part.pins = pins;
+        for source in self.nets.iter_mut().flat_map(|net| &mut net.sources) {
+            if let Source::Pin { part, pin } = source
+                && *part == at
+            {
+                *pin = moved[*pin];
+            }
         }
     }
 

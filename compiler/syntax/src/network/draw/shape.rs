@@ -45,6 +45,11 @@ pub fn net_name(graph: &Graph, id: NetId) -> String {
     }
 }
 
+/// Whether a timer of the S7-300/400 is a box: a coil has no pins but the timer and its time.
+pub fn is_timer_box(element: &Element) -> bool {
+    ["r", "bi", "bcd", "q"].iter().any(|name| element.pin(name).is_some())
+}
+
 /// The symbol of elements without a box: `|/|`, `(S)`, in FBD `[=]`.
 pub fn symbol(row: &Row, element: &Element, language: Language) -> Option<String> {
     let negated = element.pin("operand").is_some_and(|pin| pin.negated);
@@ -68,6 +73,13 @@ pub fn symbol(row: &Row, element: &Element, language: Language) -> Option<String
         Kind::EdgeCoil { rising } => coil(if rising { "P" } else { "N" }),
         Kind::BitField { set } => coil(if set { "SET_BF" } else { "RESET_BF" }),
         Kind::TimerCoil(name) => coil(name),
+        Kind::S5Timer(name) if language == Language::Lad && !is_timer_box(element) => coil(match name {
+            "S_PULSE" => "SP",
+            "S_PEXT" => "SE",
+            "S_ODT" => "SD",
+            "S_ODTS" => "SS",
+            _ => "SF",
+        }),
         Kind::ResetTimer => coil("RT"),
         Kind::PresetTimer => coil("PT"),
         Kind::Jump { negated } => coil(if negated { "JMPN" } else { "JMP" }),
