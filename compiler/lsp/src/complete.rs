@@ -1,15 +1,17 @@
 //! What can be written at a place, and the parameters of the call around it.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use lsp_types::{
     CompletionItem, CompletionItemKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation,
 };
 use plcc_diag::FileId;
-use plcc_syntax::ast::{Block, BlockName};
+use plcc_syntax::ast::{Block, BlockName, BlockPrefix};
 use plcc_syntax::network::elements::{self, PinDirection, PinRow};
 use plcc_syntax::scl::keyword::Keyword;
-use plcc_syntax::stl::{Mnemonics, StlInsn};
+use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
+use plcc_syntax::symbols::{Symbol, SymbolTarget};
 use plcc_syntax::{Elementary, Language, s7200};
 
 use crate::chart::Component;
@@ -65,19 +67,25 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     if written.starts_with('"') || text_before(words, byte).ends_with('"') {
         return globals(index);
     }
+    // What follows is an address.
+    if text_before(words, byte).ends_with('%') {
+        return Vec::new();
+    }
     let language = words.language(first.min(words.pieces.len().saturating_sub(1)));
     if language != Language::S7200 && is_type(words, first) {
         return types(index, language);
     }
     let mut items = Vec::new();
-    if matches!(before, "(" | ",") || language == Language::Stl && before == "(" {
-        items.extend(parameters(index, words, file, first));
-    }
     let begins = before == ":"
         || match writing {
             Some(at) => words.first_on_line(at),
             None => text_before(words, byte).trim().is_empty(),
         };
+    // `CALL FB 1, ` without a list of parameters yet.
+    let is_instance = language == Language::Stl && before == "," && !begins && open_bracket(words, first).is_none();
+    if matches!(before, "(" | ",") && !is_instance {
+        items.extend(parameters(index, words, file, first));
+    }
     match language {
         Language::Stl if begins => items.extend(StlInsn::ALL.iter().map(|insn| CompletionItem {
             label: insn.mnemonic(set).to_owned(),
@@ -85,10 +93,24 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             detail: Some(insn.doc().trim().to_owned()),
             ..CompletionItem::default()
         })),
-        Language::Stl => {
-            let labels = entry.into_iter().flat_map(labels::of);
-            items.extend(labels.map(|label| item(label.name, CompletionItemKind::REFERENCE, "jump label")));
-        }
+        // The first word in a list of parameters is one of them.
+        Language::Stl if matches!(before, "(" | ",") && open_bracket(words, first).is_some() => {}
+        Language::Stl => match stl_operand(words, first, set) {
+            Some(OperandClass::Label) => {
+                let labels = entry.into_iter().flat_map(labels::of);
+                items.extend(labels.map(|label| item(label.name, CompletionItemKind::REFERENCE, "jump label")));
+            }
+            Some(OperandClass::Block) => {
+                items.extend(marked_locals(index, entry));
+                items.extend(marked_globals(index, Wanted::Code));
+            }
+            Some(OperandClass::DataBlock) => items.extend(marked_globals(index, Wanted::Data)),
+            Some(class) if takes_names(class) => {
+                items.extend(marked_locals(index, entry));
+                items.extend(marked_globals(index, Wanted::Operand));
+            }
+            Some(_) | None => {}
+        },
         Language::S7200 => {
             items.extend(s7200::mnemonics(set).map(|(name, doc)| item(&name, CompletionItemKind::OPERATOR, doc.trim())))
         }
@@ -101,8 +123,13 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             items.extend(keywords.chain(REGION).map(|word| item(word, CompletionItemKind::KEYWORD, "")));
             items.extend(locals(index, entry));
             items.extend(index.checked.facts.functions.iter().map(function));
+            items.extend(marked_globals(index, Wanted::Value));
         }
         Language::Sd if in_rung(words, first) && matches!(before, "(" | ",") => items.extend(pins(words, first)),
+        Language::Sd if in_rung(words, first) && matches!(before, ":=" | "=>" | "NOT") => {
+            items.extend(marked_locals(index, entry));
+            items.extend(marked_globals(index, Wanted::Operand));
+        }
         Language::Sd if in_rung(words, first) => {
             items.extend(elements::elements().map(|row| {
                 let names: Vec<&str> = row.pins().map(|pin| pin.name()).collect();
@@ -222,13 +249,133 @@ fn constant(index: &Index, constant: Constant) -> CompletionItem {
 fn globals(index: &Index) -> Vec<CompletionItem> {
     let block = |entry: &Entry| item(&entry.text(), CompletionItemKind::MODULE, entry.keyword());
     let mut items: Vec<CompletionItem> = index.blocks.iter().map(block).collect();
-    for symbol in index.checked.tables.iter().flat_map(|table| &table.symbols) {
-        let detail = format!("{} {} {}", crate::hover::target_text(symbol.target), symbol.ty, symbol.comment);
-        items.push(item(&symbol.name, CompletionItemKind::VARIABLE, detail.trim()));
-    }
+    items.extend(index.checked.tables.iter().flat_map(|table| &table.symbols).map(symbol));
     let constants = index.checked.tables.iter().flat_map(|table| &table.constants);
     items.extend(constants.map(|one| constant(index, Constant::Global(one))));
     items
+}
+
+fn symbol(symbol: &Symbol) -> CompletionItem {
+    let detail = format!("{} {} {}", crate::hover::target_text(symbol.target), symbol.ty, symbol.comment);
+    item(&symbol.name, CompletionItemKind::VARIABLE, detail.trim())
+}
+
+/// The kind of global name that a place takes.
+#[derive(Clone, Copy, PartialEq)]
+enum Wanted {
+    /// What is called.
+    Code,
+    /// A data block.
+    Data,
+    /// What STL and networks read and write.
+    Operand,
+    /// The same in SCL, where functions have values.
+    Value,
+}
+
+impl Wanted {
+    fn is_block(self, entry: &Entry) -> bool {
+        match self {
+            Wanted::Code => matches!(entry.keyword(), "FUNCTION" | "FUNCTION_BLOCK"),
+            Wanted::Data | Wanted::Operand => entry.is_data(),
+            Wanted::Value => entry.is_data() || entry.keyword() == "FUNCTION",
+        }
+    }
+
+    fn is_symbol(self, symbol: &Symbol) -> bool {
+        use BlockPrefix::{Db, Di, Fb, Fc, Sfb, Sfc};
+        match symbol.target {
+            SymbolTarget::Block { prefix, .. } => match self {
+                Wanted::Code => matches!(prefix, Fc | Fb | Sfc | Sfb),
+                Wanted::Data | Wanted::Operand => matches!(prefix, Db | Di),
+                Wanted::Value => matches!(prefix, Db | Di | Fc | Sfc),
+            },
+            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => matches!(self, Wanted::Operand | Wanted::Value),
+        }
+    }
+}
+
+/// Variables and constants of a block with their sign: `#level`.
+fn marked_locals(index: &Index, entry: Option<Entry>) -> Vec<CompletionItem> {
+    locals(index, entry).into_iter().map(|one| marked(one, "#", "")).collect()
+}
+
+/// Blocks, symbols and constants in their quotes: `"Motor"`.
+fn marked_globals(index: &Index, wanted: Wanted) -> Vec<CompletionItem> {
+    let block = |entry: &Entry| {
+        let one = item(&entry.text(), CompletionItemKind::MODULE, entry.keyword());
+        match entry.name() {
+            BlockName::Symbol { .. } => marked(one, "\"", "\""),
+            BlockName::Numbered { .. } => CompletionItem { insert_text: Some(one.label.replace(' ', "")), ..one },
+        }
+    };
+    let tables = &index.checked.tables;
+    let symbols = tables.iter().flat_map(|table| &table.symbols).filter(|symbol| wanted.is_symbol(symbol)).map(symbol);
+    let constants = tables.iter().flat_map(|table| &table.constants).map(|one| constant(index, Constant::Global(one)));
+    let takes_constants = matches!(wanted, Wanted::Operand | Wanted::Value);
+    let named = symbols.chain(constants.filter(|_| takes_constants)).map(|one| marked(one, "\"", "\""));
+    let mut items: Vec<CompletionItem> =
+        index.blocks.iter().filter(|entry| wanted.is_block(entry)).map(block).chain(named).collect();
+    // A block of a source has a row in the symbol table, too.
+    let mut seen = HashSet::new();
+    items.retain(|one| seen.insert(one.label.clone()));
+    items
+}
+
+/// An item that is found by its name, and written with signs around it.
+fn marked(one: CompletionItem, before: &str, after: &str) -> CompletionItem {
+    CompletionItem { label: format!("{before}{}{after}", one.label), filter_text: Some(one.label), ..one }
+}
+
+/// What the statement of STL around a piece takes there; `None`: nothing that is known.
+fn stl_operand(words: &Words, at: usize, set: Mnemonics) -> Option<OperandClass> {
+    let before = at.checked_sub(1)?;
+    if matches!(words.word(before), ":=" | "=>") {
+        return Some(OperandClass::LoadSource);
+    }
+    let begins = |at: &usize| words.first_on_line(*at) || words.word(at.wrapping_sub(1)) == ";";
+    let mut first = (0..=before).rev().find(begins)?;
+    if words.word(first + 1) == ":" {
+        first += 2;
+    }
+    let mnemonic = words.word(first);
+    if mnemonic.eq_ignore_ascii_case("CALL") {
+        // The instance follows a comma.
+        return Some(if words.word(before) == "," { OperandClass::DataBlock } else { OperandClass::Block });
+    }
+    let is_it = |insn: &&StlInsn| insn.mnemonic(set).eq_ignore_ascii_case(mnemonic);
+    StlInsn::ALL.iter().find(is_it).filter(|_| first == before).map(|insn| insn.operand())
+}
+
+/// Whether an operand can be a variable or a tag.
+const fn takes_names(class: OperandClass) -> bool {
+    match class {
+        OperandClass::Bit
+        | OperandClass::BitOrNone
+        | OperandClass::BitWrite
+        | OperandClass::BitWriteOrCounter
+        | OperandClass::BitWriteOrCell
+        | OperandClass::LoadSource
+        | OperandClass::TransferTarget
+        | OperandClass::Timer
+        | OperandClass::Counter
+        | OperandClass::Cell
+        | OperandClass::LoadAr1
+        | OperandClass::LoadAr2
+        | OperandClass::TransferAr1
+        | OperandClass::TransferAr2
+        | OperandClass::DataBlock
+        | OperandClass::Block => true,
+        OperandClass::None
+        | OperandClass::PointerOrNone
+        | OperandClass::Byte
+        | OperandClass::AddConstant
+        | OperandClass::WordConstOrNone
+        | OperandClass::DwordConstOrNone
+        | OperandClass::ShiftCount16
+        | OperandClass::ShiftCount32
+        | OperandClass::Label => false,
+    }
 }
 
 /// What can follow the point at a piece.

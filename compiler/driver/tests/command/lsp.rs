@@ -131,6 +131,31 @@ fn words_and_parameters_are_proposed() {
     assert_eq!(found["activeParameter"], json!(1));
 }
 
+/// Before their first sign is written, too.
+#[test]
+fn variables_tags_and_blocks_are_proposed_where_they_can_stand() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.open("motor.scl");
+    editor.messages("motor.scl");
+    editor.edit("main.stl", "      >I;", "      L     ;\n      >I;");
+    for (piece, proposed) in [
+        ("L     |;", &["#level", "#limit", "#rest", "DB 10", "\"Start\"", "\"Lamp\"", "\"Level\""][..]),
+        ("JC    |full", &["full"]),
+        ("CALL  |FC 1", &["FC 1", "\"Motor\"", "\"FC77\""]),
+        ("CALL  \"Motor\", |DB 10", &["DB 10"]),
+        ("NOP   |0", &[]),
+    ] {
+        let found = editor.at("textDocument/completion", "main.stl", piece);
+        assert_eq!(labels(&found), proposed, "{piece}");
+    }
+    let found = editor.at("textDocument/completion", "motor.scl", "running := |(start");
+    for word in ["start", "\"Lamp\"", "DB 10"] {
+        assert!(labels(&found).contains(&word), "{word} is not in {found}");
+    }
+    assert!(!labels(&found).contains(&"\"Motor\""), "{found}");
+}
+
 #[test]
 fn a_file_has_an_outline_folds_colours_and_a_layout() {
     let mut editor = Editor::new("plant");

@@ -213,6 +213,9 @@ fn elements_pins_and_wires_of_networks_are_explained() {
     assert_eq!(labels(&found), ["en", "et", "eno"]);
     let found = editor.at("textDocument/completion", "lamp.s7dcl", "#one( |on :=");
     assert_eq!(labels(&found), ["on", "time", "lit"]);
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "TON( pt := |#time");
+    assert_eq!(labels(&found)[..4], ["#on", "#time", "#lit", "#T1"]);
+    assert!(!labels(&found).contains(&"Contact"), "{found}");
 }
 
 #[test]
