@@ -7,11 +7,12 @@
 //!
 //! ```text
 //! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   block.rs, header.rs, headless.rs, declaration.rs
-//!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, foreign.rs, parentheses.rs
+//!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, address.rs, foreign.rs, parentheses.rs
 //!            │          └────► values of a data block                           declaration.rs
 //!            └── statements without a header: OB 1
 //! ```
 
+mod address;
 mod block;
 mod call;
 mod code;
