@@ -129,9 +129,10 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 11] = [
+    const SOURCES: [&str; 12] = [
         "language/case_of_small_and_unsigned_tia",
         "language/choices_as_lists",
+        "language/copied_elements",
         "language/dtl_constants_tia",
         "language/instructions_as_lists_tia",
         "language/output_to_a_peripheral_tia",
@@ -142,7 +143,8 @@ fn whole_sources_become_lists() {
         "language/text_functions_tia",
         "library/instances_as_lists_tia",
     ];
-    const FOR_S7_300: [&str; 2] = ["language/choices_as_lists", "language/parts_in_memory_tia"];
+    const FOR_S7_300: [&str; 3] =
+        ["language/choices_as_lists", "language/copied_elements", "language/parts_in_memory_tia"];
     let all = SOURCES.map(|name| (name, "s7-1500")).into_iter().chain(FOR_S7_300.map(|name| (name, "s7-300")));
     for (name, cpu) in all {
         let path = tests_folder().join(format!("run/scl/{name}.scl"));

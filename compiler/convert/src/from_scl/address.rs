@@ -11,7 +11,7 @@ use plcc_syntax::stl::StlInsn;
 use super::Maker;
 
 /// Strips the area of a pointer.
-const ADDRESS_MASK: u32 = 0x00FF_FFFF;
+pub const ADDRESS_MASK: u32 = 0x00FF_FFFF;
 
 /// The most texts in temporary data whose heads are written one by one.
 const TEXTS_MAX: usize = 32;
@@ -22,7 +22,7 @@ pub struct Through {
     /// None: AR1 contains it.
     area: Option<PlaceArea>,
     /// The data block to open.
-    open: Option<Operand>,
+    pub open: Option<Operand>,
 }
 
 /// An address that is computed.
@@ -52,27 +52,32 @@ impl Maker<'_> {
 
     /// The operand of a target, after what it needs; accumulators and RLO stay.
     pub fn reach(&mut self, target: &Target, ty: Elementary) -> Operand {
+        self.reach_at(target, ty, 0)
+    }
+
+    /// The same, so many bytes after an address.
+    pub fn reach_at(&mut self, target: &Target, ty: Elementary, bytes: u32) -> Operand {
         match target {
             Target::Direct(operand) => operand.clone(),
-            Target::Register(through) => self.through(through, ty),
+            Target::Register(through) => self.through(through, ty, bytes),
             Target::Stored(through, stored) => {
                 self.push(StlInsn::LoadAr1, Some(stored.clone()));
-                self.through(through, ty)
+                self.through(through, ty, bytes)
             }
         }
     }
 
-    fn through(&mut self, through: &Through, ty: Elementary) -> Operand {
+    fn through(&mut self, through: &Through, ty: Elementary, bytes: u32) -> Operand {
         if let Some(open) = &through.open {
             self.push(StlInsn::OpenDb, Some(open.clone()));
         }
         let (register, width) = (AddressRegister::Ar1, layout::width(ty));
-        let kind = OperandKind::RegisterIndirect { area: through.area, width, register, offset: 0 };
+        let kind = OperandKind::RegisterIndirect { area: through.area, width, register, offset: bytes * 8 };
         Operand { kind, span: self.span }
     }
 
     /// Leaves the pointer to an access in ACCU1.
-    fn address(&mut self, access: &Access) -> Option<Through> {
+    pub fn address(&mut self, access: &Access) -> Option<Through> {
         match &access.base {
             Base::Place(place) => self.element(access, place),
             Base::Indexed { .. } if access.part.is_some() => {
@@ -157,6 +162,15 @@ impl Maker<'_> {
         let in_variable = access.part.map_or(0, |part| super::place::distance_of_part(&access.ty, part));
         let bits = |byte: u32, bit: u8| i64::from(byte) * 8 + i64::from(bit) + i64::from(in_variable);
         let lowest = self.distances(&access.indices, access.span)?;
+        if !has_indices && let Some(copy) = self.copy_of(place) {
+            self.push(StlInsn::Load, Some(Operand { kind: OperandKind::AddressOf(copy), span: self.span }));
+            self.add_constant(i64::from(in_variable));
+            return Some(Through { area: None, open: None });
+        }
+        if !has_indices && !matches!(place, Place::L { .. } | Place::Instance { .. }) {
+            // What the distance from the beginning of the data is added to.
+            self.push(StlInsn::Load, Some(self.dint(0)));
+        }
         match place {
             Place::I { byte, bit } => self.memory(PlaceArea::I, bits(*byte, *bit) - lowest),
             Place::Q { byte, bit } => self.memory(PlaceArea::Q, bits(*byte, *bit) - lowest),
@@ -196,23 +210,12 @@ impl Maker<'_> {
                 self.add_ar2();
                 Some(Through { area: None, open: None })
             }
-            // The copy of an input.
-            Place::Parameter { parameter, byte, bit } if !has_indices && self.copies.contains_key(parameter) => {
-                let copy = self.copies.get(parameter).cloned();
-                let Some(Operand { kind: OperandKind::Path(path), .. }) = copy else {
-                    return self.no_address(access.span);
-                };
-                self.push(StlInsn::Load, Some(Operand { kind: OperandKind::AddressOf(path), span: self.span }));
-                self.add_constant(bits(*byte, *bit));
-                Some(Through { area: None, open: None })
-            }
             Place::Parameter { parameter, byte, bit } => {
                 let formal = &interface.parameters[*parameter];
                 if !matches!(formal.passing, Passing::Complex { .. }) {
                     return self.no_address(access.span);
                 }
                 let name = formal.name.clone();
-                self.begin_sum(has_indices);
                 let stored = self.keep_distance(bits(*byte, *bit) - lowest);
                 self.load_address_of(&name);
                 Some(self.through_pointer(&stored))
@@ -221,7 +224,6 @@ impl Maker<'_> {
                 let formal =
                     interface.parameters.iter().find(|one| one.byte == *pointer && one.direction == Direction::InOut);
                 let Some(name) = formal.map(|one| one.name.clone()) else { return self.no_address(access.span) };
-                self.begin_sum(has_indices);
                 let stored = self.keep_distance(bits(*byte, *bit) - lowest);
                 self.load_address_of(&name);
                 self.add_ar2();
@@ -245,10 +247,12 @@ impl Maker<'_> {
         Some(Through { area: Some(area), open: None })
     }
 
-    /// ACCU1 is what the indices make of the distance to the beginning of the data: without indices nothing.
-    fn begin_sum(&mut self, has_indices: bool) {
-        if !has_indices {
-            self.push(StlInsn::Load, Some(self.dint(0)));
+    /// The copy of an input of the function.
+    fn copy_of(&self, place: &Place) -> Option<Path> {
+        let Place::Parameter { parameter, .. } = place else { return None };
+        match self.copies.get(parameter).map(|copy| &copy.kind) {
+            Some(OperandKind::Path(path)) => Some(path.clone()),
+            _ => None,
         }
     }
 

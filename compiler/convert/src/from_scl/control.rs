@@ -1,8 +1,8 @@
 //! Statements: assignments, branches, loops and jumps.
 
-use plcc_model::scl::{Access, Arm, CompareOp, Complex, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::scl::{Access, Arm, CompareOp, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::{DataType, Elementary, Member};
-use plcc_syntax::ast::{self, BlockName, BlockPrefix, Operand, OperandKind, PathPart};
+use plcc_syntax::ast::{Operand, OperandKind, PathPart};
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
@@ -23,9 +23,6 @@ impl Loop {
     }
 }
 
-/// BLKMOV.
-const BLOCK_MOVE: u32 = 20;
-
 impl Maker<'_> {
     fn statements(&mut self, list: &[Statement]) {
         for statement in list {
@@ -40,7 +37,7 @@ impl Maker<'_> {
         match &statement.kind {
             StatementKind::Assign { target, value } => self.assign(target, value),
             StatementKind::AssignText { target, value } => self.assign_text(target, value, statement),
-            StatementKind::Copy { target, source, .. } => self.copy(target, source, statement),
+            StatementKind::Copy { target, source, bytes } => self.copy(target, source, *bytes, statement),
             StatementKind::SetFlag(value) => {
                 self.condition(value);
                 let flag = self.flag.clone();
@@ -136,39 +133,8 @@ impl Maker<'_> {
         self.push(insn, Some(operand));
     }
 
-    /// An array or a structure.
-    fn copy(&mut self, target: &Access, source: &Complex, statement: &Statement) {
-        if let Complex::Const(bytes) = source
-            && self.store_components(target, bytes)
-        {
-            return;
-        }
-        let Complex::Variable(source) = source else {
-            return self.refuse(statement.span, "this assignment of a whole variable", "assign its components");
-        };
-        if !self.is_direct(target) || !self.is_direct(source) {
-            let help = "assign the components of the element";
-            return self.refuse(statement.span, "an assignment of a whole element with a variable index", help);
-        }
-        let (Some(from), Some(to)) = (self.operand(source), self.operand(target)) else { return };
-        let result = self.temporary(Elementary::Int);
-        let parameter = |name: &str, actual: Operand| ast::Parameter {
-            name: name.to_string(),
-            name_span: self.span,
-            actual: Some(actual),
-        };
-        let name = BlockName::Numbered { prefix: BlockPrefix::Sfc, number: BLOCK_MOVE, span: self.span };
-        let call = ast::Call {
-            target: Operand { kind: OperandKind::Block(name), span: self.span },
-            types: Vec::new(),
-            instance: None,
-            parameters: vec![parameter("SRCBLK", from), parameter("RET_VAL", result), parameter("DSTBLK", to)],
-        };
-        self.push_kind(ast::StatementKind::Call(Box::new(call)));
-    }
-
     /// A constant structure, such as a DTL, component by component; false: STL cannot do that.
-    fn store_components(&mut self, target: &Access, bytes: &[u8]) -> bool {
+    pub fn store_components(&mut self, target: &Access, bytes: &[u8]) -> bool {
         let DataType::Struct(structure) = &target.ty else { return false };
         let values: Option<Vec<_>> = structure.members.iter().map(|member| component(member, bytes)).collect();
         let Some(values) = values.filter(|_| self.is_direct(target)) else { return false };

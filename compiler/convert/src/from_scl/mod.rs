@@ -2,8 +2,8 @@
 //!
 //! - `code`: statements, labels and variables that hold values between them.
 //! - `place`: places in memory by their names; `address`: those that AR1 points at.
-//! - `control`: IF, CASE, loops, jumps; `value`: numbers in ACCU1; `shift`: shifts; `convert`: conversions; `choice`: SEL, MUX;
-//!   `logic`: BOOLs in the RLO.
+//! - `control`: IF, CASE, loops, jumps; `copy`: whole arrays and structures; `value`: numbers in ACCU1; `shift`: shifts;
+//!   `convert`: conversions; `choice`: SEL, MUX; `logic`: BOOLs in the RLO.
 //! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `text`: texts and their functions; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
 //! - `networks`: networks in SCL among those of LAD and FBD.
@@ -21,6 +21,7 @@ mod choice;
 mod code;
 mod control;
 mod convert;
+mod copy;
 mod instruction;
 mod logic;
 mod networks;
