@@ -53,11 +53,13 @@ const OTHERS: [&str; 10] =
     ["BEGIN", "CONST", "END_CONST", "LABEL", "END_LABEL", "STRUCT", "PROGRAM", "END_PROGRAM", "NETWORK", "END_NETWORK"];
 
 /// Words of other languages and tools for a keyword.
-const ALIASES: [(&str, &str); 19] = [
+const ALIASES: [(&str, &str); 21] = [
     ("VAR_IN", "VAR_INPUT"),
     ("VAR_OUT", "VAR_OUTPUT"),
     ("VAR_STAT", "VAR"),
     ("VAR_STATIC", "VAR"),
+    ("VAR_RETAIN", "VAR"),
+    ("VAR_PERSISTENT", "VAR"),
     ("VARIABLES", "VAR"),
     ("VAR_TEMPORARY", "VAR_TEMP"),
     ("VAR_LOCAL", "VAR_TEMP"),
@@ -123,9 +125,13 @@ pub fn slip_of<'c>(word: &str, candidates: impl IntoIterator<Item = &'c str>) ->
 /// The message for `text` that stands for `keyword`.
 pub fn misspelt(span: Span, text: &str, keyword: &str) -> Diagnostic {
     let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    Diagnostic::new(Code::MisspeltKeyword, span, format!("the keyword is `{keyword}`, not `{text}`"))
+    let written = match text.to_ascii_uppercase().as_str() {
+        "VAR_RETAIN" | "VAR_PERSISTENT" => "VAR RETAIN",
+        _ => keyword,
+    };
+    Diagnostic::new(Code::MisspeltKeyword, span, format!("the keyword is `{written}`, not `{text}`"))
         .label(format!("read as `{keyword}`"))
-        .help(format!("write `{keyword}`"))
+        .help(format!("write `{written}`"))
 }
 
 /// Where a token is.

@@ -4,6 +4,7 @@ use plcc_diag::{Code, Diagnostic};
 
 use super::ast::Dialect;
 use super::token::{Spanned, Tok};
+use super::types_meant;
 use crate::elementary::Elementary;
 use crate::front::{ParseState, Place};
 
@@ -78,6 +79,11 @@ impl Recovery {
             let code = if declares { Code::DeclarationSyntax } else { Code::Syntax };
             Some(Diagnostic::new(code, state.span(from..to), title).label(label).help(help))
         };
+        if self == Recovery::Declaration
+            && let Some((title, help)) = types_meant::of(state.text, before, at)
+        {
+            return told(at.0, at.2, title.to_owned(), "a form of other languages", help);
+        }
         match (self, &before.1, &at.1) {
             (Recovery::Declaration, Tok::Literal(_), Tok::RightBracket) => {
                 let open = state.text.get(..at.0)?.rfind('[')?;

@@ -21,6 +21,7 @@ mod region;
 mod repair;
 pub mod text;
 mod token;
+mod types_meant;
 
 #[allow(clippy::all, clippy::pedantic, dead_code, unused_imports, unused_parens, missing_docs)] // Generated.
 mod grammar {

@@ -98,6 +98,11 @@ impl<'a> Classifier<'a, '_> {
                 () if text.eq_ignore_ascii_case("RETAIN") => Retain::Retain,
                 () if text.eq_ignore_ascii_case("NON_RETAIN") => Retain::NonRetain,
                 () if text.eq_ignore_ascii_case("DB_SPECIFIC") => Retain::DbSpecific,
+                () if text.eq_ignore_ascii_case("PERSISTENT") => {
+                    let next = self.raw.get(self.at + 2 + count).map_or("", |next| self.slice(*next));
+                    self.persistent(word, retain == Retain::Retain || next.eq_ignore_ascii_case("RETAIN"));
+                    Retain::Retain
+                }
                 () => match self.misspelt_retain(word, self.at + 2 + count) {
                     Some(retain) => retain,
                     None => break,
@@ -111,6 +116,16 @@ impl<'a> Classifier<'a, '_> {
         self.at += 1;
         self.declarations(0);
         self.end_of_section(opening, Keyword::EndVar);
+    }
+
+    /// `VAR PERSISTENT`, which is reported. `retains`: the section has the word RETAIN, too.
+    fn persistent(&mut self, word: RawToken, retains: bool) {
+        let help = if retains { "remove it: RETAIN keeps the values" } else { "write `RETAIN`" };
+        self.report(
+            Diagnostic::new(Code::ForeignForm, self.span(word), "a section of SCL has no PERSISTENT")
+                .label("read as `RETAIN`")
+                .help(help),
+        );
     }
 
     /// `VAR CONST`, which is reported.
