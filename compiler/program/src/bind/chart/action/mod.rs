@@ -21,8 +21,8 @@ use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind};
 use super::engine_data::Engine;
 use crate::bind::chart::ChartBinder;
 use crate::bind::network::{Page, and, inverted, no, yes};
-use crate::bind::scl::SclBlock;
 use crate::bind::scl::place::Spot;
+use crate::bind::scl::{Intent, SclBlock};
 use plcc_binding::similar;
 use plcc_model::scl::{CompareOp, Expr, ExprKind, Statement, StatementKind};
 
@@ -129,14 +129,17 @@ impl ChartBinder<'_, '_> {
         let has_interlock = chart.steps[step].interlock.is_some();
         let mut rows = Rows::default();
         for action in &chart.steps[step].actions {
-            for message in legality::messages(action, has_interlock) {
-                self.program.report(message);
+            // Of ON and OFF without a step, only that is reported.
+            if !is_request_of_nothing(engine, action) {
+                for message in legality::messages(action, has_interlock) {
+                    self.program.report(message);
+                }
             }
             let moment = moment(engine, step, action);
             match (action.qualifier, &action.body) {
                 (Qualifier::On | Qualifier::Off, ActionBody::Operand(node)) => {
-                    if let Some(target) = self.requested_step(engine, node) {
-                        let on = action.qualifier == Qualifier::On;
+                    let on = action.qualifier == Qualifier::On;
+                    if let Some(target) = self.requested_step(engine, node, on) {
                         let body = engine.request(target, on, action.span);
                         rows.add(&moment, guarded(moment.value(action.span), body, action.span));
                     }
@@ -172,7 +175,9 @@ impl ChartBinder<'_, '_> {
                 guarded(moment.value(span), body.into_iter().collect(), span)
             }
             (Qualifier::N, ActionBody::Value { operand, value }) => {
+                let told = self.program.globals.report.diagnostics.len();
                 let body = self.action_assignment(ctx, page, operand, value, span);
+                self.time_assigned(ctx, told, operand, value);
                 guarded(moment.value(span), body, span)
             }
             (Qualifier::N, ActionBody::Call(call)) => {
@@ -206,15 +211,40 @@ impl ChartBinder<'_, '_> {
                 return self.off_delay_row(ctx, rows, moment, operand, value, span);
             }
             (qualifier, body) => {
-                let operand = match body {
-                    ActionBody::Operand(node) => self.program.globals.text(node.span),
-                    _ => String::new(),
+                let (operand, delay) = match body {
+                    ActionBody::Operand(node) => (self.program.globals.text(node.span), None),
+                    ActionBody::Value { operand, value } => (String::new(), self.delay(operand, value)),
+                    _ => (String::new(), None),
                 };
-                self.program.report(wrong_body(qualifier, body, &operand, span));
+                self.program.report(wrong_body(qualifier, body, &operand, delay, span));
                 return;
             }
         };
         rows.add(moment, statements);
+    }
+
+    /// Completes the messages since `told` about `Q4.0 := T#5S  (N)`.
+    fn time_assigned(&mut self, ctx: &mut SclBlock, told: usize, operand: &Node, value: &Node) {
+        let messages = &self.program.globals.report.diagnostics;
+        let about_value = |at: &usize| messages[*at].primary.span == value.span;
+        let Some(at) = (told..messages.len()).find(about_value) else { return };
+        let Some(help) = self.delay(operand, value) else { return };
+        let access = self.scl().access(ctx, operand, Intent::Write);
+        if access.is_some_and(|access| access.elementary() == Some(Elementary::Bool)) {
+            self.program.globals.report.diagnostics[at].help = Some(help);
+        }
+    }
+
+    /// What the assignment of a constant time is meant as.
+    fn delay(&self, operand: &Node, value: &Node) -> Option<String> {
+        let (operand, time) = (self.program.globals.text(operand.span), self.program.globals.text(value.span));
+        let (first, _) = time.split_once('#')?;
+        let is_time = ["T", "TIME", "S5T", "S5TIME"].iter().any(|word| word.eq_ignore_ascii_case(first));
+        is_time.then(|| {
+            format!(
+                "a time belongs to D or L: write `{operand} := {time}  (D)` to set it after the time, `(L)` up to it"
+            )
+        })
     }
 
     /// N: the operand is 1 while the step is active, or in the call of the event.
@@ -260,19 +290,16 @@ impl ChartBinder<'_, '_> {
     }
 
     /// The step of ON and OFF.
-    fn requested_step(&mut self, engine: &Engine, node: &Node) -> Option<usize> {
+    fn requested_step(&mut self, engine: &Engine, node: &Node, on: bool) -> Option<usize> {
+        let text = self.program.globals.text(node.span);
+        let operand = format!("; for the operand write `{text}  ({})`", if on { "S" } else { "R" });
         let name = match &node.kind {
             NodeKind::Name(name) => name,
             NodeKind::Error => return None,
             _ => {
-                let text = self.program.globals.text(node.span);
-                self.scl().refuse(
-                    Code::ActionOperand,
-                    node.span,
-                    &format!("`{text}` is not a step"),
-                    "ON and OFF need a step",
-                    "name one, or write its number: `S002`",
-                );
+                let help = format!("name one, or write its number: `S002`{operand}");
+                let title = format!("`{text}` is not a step");
+                self.scl().refuse(Code::ActionOperand, node.span, &title, "ON and OFF need a step", &help);
                 return None;
             }
         };
@@ -283,10 +310,21 @@ impl ChartBinder<'_, '_> {
             let names = engine.chart.steps.iter().map(|step| step.name.text.as_str());
             self.program.report(match similar(&name.text, names) {
                 Some(other) => message.help(format!("is `{other}` meant?")),
-                None => message.help("name a step of this block, or write its number: `S002`"),
+                None => message.help(format!("name a step of this block, or write its number: `S002`{operand}")),
             });
         }
         found
+    }
+}
+
+/// A row of ON or OFF whose operand is not a step of the chart.
+fn is_request_of_nothing(engine: &Engine, action: &Action) -> bool {
+    match (action.qualifier, &action.body) {
+        (Qualifier::On | Qualifier::Off, ActionBody::Operand(node)) => match &node.kind {
+            NodeKind::Name(name) => engine.index.step_reference(&name.text).is_none(),
+            _ => true,
+        },
+        _ => false,
     }
 }
 
@@ -308,8 +346,9 @@ fn moment(engine: &Engine, step: usize, action: &Action) -> Moment {
     Moment { condition, pulse, zeroed: engine.zeroed(span), leaving }
 }
 
-/// A row whose text does not fit its qualifier. `operand`: as written, of a row that has nothing else.
-fn wrong_body(qualifier: Qualifier, body: &ActionBody, operand: &str, span: Span) -> Diagnostic {
+/// A row whose text does not fit its qualifier. `operand`: as written, of a row that has nothing else; `delay`: what a row with a time
+/// is meant as.
+fn wrong_body(qualifier: Qualifier, body: &ActionBody, operand: &str, delay: Option<String>, span: Span) -> Diagnostic {
     let name = qualifier.name();
     let alone = matches!(body, ActionBody::Operand(_));
     let (title, label, help) = match (qualifier, body) {
@@ -337,7 +376,7 @@ fn wrong_body(qualifier: Qualifier, body: &ActionBody, operand: &str, span: Span
         _ => (
             format!("`{name}` needs an operand and nothing else"),
             "there is a value after the operand",
-            "an assignment is an action of N".to_string(),
+            delay.unwrap_or_else(|| "an assignment is an action of N".to_string()),
         ),
     };
     Diagnostic::new(Code::ActionText, span, title).label(label).help(help)

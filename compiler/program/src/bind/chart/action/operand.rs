@@ -48,8 +48,13 @@ impl ChartBinder<'_, '_> {
     fn no_bit(&mut self, span: Span, is: &str) {
         let text = self.program.globals.text(span);
         let title = format!("`{text}` is {is}, but this action writes a BOOL");
+        let is_fb = || text.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("FB"));
         let help = match bit_of(&text) {
             Some(bit) => format!("name one of its bits, such as `{bit}`"),
+            None if is == "a block" && is_fb() => {
+                format!("to call it with its instance, write `CALL {text}, DB… ()  (N)`")
+            }
+            None if is == "a block" => format!("to call it, write `CALL {text} ()  (N)`"),
             None => "name a variable of type BOOL".to_string(),
         };
         self.scl().refuse(Code::ActionOperand, span, &title, is, &help);
