@@ -206,7 +206,7 @@ fn add_named(read: &mut Read, folder: &Path, (name, span): &(String, Span)) {
     } else if path.is_file() {
         add_file(read, &path, Wanted::Yes);
     } else {
-        let message = Diagnostic::new(Code::Project, *span, format!("`{name}` is not a file or folder in the project"));
+        let message = Diagnostic::new(Code::Project, *span, format!("`{name}` {NOT_THERE}"));
         read.diagnostics.push(match near::below(folder, name) {
             _ if name.contains(['*', '?']) => {
                 let above = name.rsplit_once(['/', '\\']).map_or(".", |(above, _)| above);
@@ -262,3 +262,6 @@ fn add_texts(read: &mut Read, path: &Path, unit: FileId) {
 
 /// What follows the path of plc.toml in the name of the source that its axes are.
 pub(crate) const AXES_ENDING: &str = " (axes).scl";
+
+/// How the title of the message ends about a file that plc.toml names and the project does not have.
+pub(crate) const NOT_THERE: &str = "is not a file or folder in the project";

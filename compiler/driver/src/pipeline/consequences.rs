@@ -3,8 +3,26 @@
 use plcc_diag::{Code, Diagnostic, FileId, SourceMap};
 use rustc_hash::FxHashSet;
 
+use crate::inputs::NOT_THERE;
+
 /// How many missing names are looked for in files that could not be read.
 const LOOKED_FOR_MAX: usize = 500;
+
+/// Removes messages about names that a file may define which does not exist under the name that the user gave it.
+pub(super) fn forget_absent(diagnostics: &mut Vec<Diagnostic>) {
+    let is_absent = |message: &Diagnostic| {
+        message.code == Code::Unreadable || message.code == Code::Project && message.title.ends_with(NOT_THERE)
+    };
+    if !diagnostics.iter().any(is_absent) {
+        return;
+    }
+    diagnostics.retain(|message| {
+        let is_missing = matches!(message.code, Code::UnknownSymbol | Code::UnknownBlock | Code::UnknownType);
+        // A second place is the row of a table, which was read.
+        let may_be_there = is_missing && message.secondary.is_empty();
+        !may_be_there && !matches!(message.code, Code::DbMissing | Code::NoMainBlock)
+    });
+}
 
 /// Removes messages about names that a file defines which could not be read: the message for that file says why they are missing.
 pub(super) fn forget_lost(diagnostics: &mut Vec<Diagnostic>, sources: &SourceMap) {
