@@ -80,7 +80,7 @@ pub struct RunOptions {
     /// Write the alarms that come and go to a CSV file
     #[arg(long, value_name = "FILE")]
     pub alarm_log: Option<PathBuf>,
-    /// TCP port of ISO-on-TCP connections [default: 102, which needs privileges to listen on]
+    /// TCP port of ISO-on-TCP connections [default: 102, which only a privileged process may open]
     #[arg(long, value_name = "PORT")]
     pub iso_port: Option<u16>,
     /// Longest host time of a cycle under the virtual clock [default: 10s]
@@ -92,10 +92,10 @@ pub struct RunOptions {
     /// Repeat a recorded run, and compare memory after each cycle
     #[arg(long, value_name = "FILE")]
     pub replay: Option<PathBuf>,
-    /// Run before all ordinary processes (SCHED_FIFO) with memory locked; needs CAP_SYS_NICE and CAP_IPC_LOCK
+    /// Take precedence over all ordinary processes (SCHED_FIFO), with memory locked; needs CAP_SYS_NICE and CAP_IPC_LOCK
     #[arg(long)]
     pub realtime: bool,
-    /// S7-200: stop also on errors that leave a real CPU in RUN
+    /// S7-200: also stop on errors that leave a real CPU in RUN
     #[arg(long)]
     pub stop_on_error: bool,
     /// Somebody only looks: the run leaves no trace in the files of the program, and may end before a scenario does. Not a flag.

@@ -1,6 +1,6 @@
 //! Binding: syntax trees and symbol tables in, the bound program out.
 //!
-//! Each of these names only those before it, which a test holds:
+//! Each of these names only those before it, as a test checks:
 //!
 //! 1. [`trees`]: what the syntax trees show without names and types.
 //! 2. [`globals`]: names and numbers of the whole program, constants, the library; the report.
