@@ -9,7 +9,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::scl::ast as scl;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::evidence::{Evidence, Interface, Shape};
+use super::evidence::{Elements, Evidence, Interface, Shape};
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::layout;
@@ -446,6 +446,15 @@ fn has_components(shape: &Shape) -> bool {
     !shape.members.is_empty() && shape.members.iter().all(|(folded, _)| has(folded))
 }
 
+/// The type of a text whose characters are used as well, `name[3]`.
+fn text_of<'s>(shape: &'s Shape, elements: &Elements) -> Option<&'s DataType> {
+    let text = shape.literal.as_ref().filter(|ty| matches!(ty, DataType::String(_) | DataType::WideString(_)))?;
+    let Elements { bounds, shape: of, .. } = elements;
+    let has_parts = of.elements.is_some() || !of.members.is_empty();
+    let is_character = matches!(of.ty, None | Some(DataType::Elementary(Elementary::Char | Elementary::Wchar)));
+    (bounds.len() == 1 && is_character && !has_parts).then_some(text)
+}
+
 /// The type that the uses of a name show, as written in a declaration.
 fn type_of(shape: &Shape, span: Span) -> TypeRef {
     if let Some(of) = &shape.of {
@@ -456,6 +465,7 @@ fn type_of(shape: &Shape, span: Span) -> TypeRef {
     }
     match (&shape.elements, &shape.ty) {
         (_, Some(ty @ (DataType::Array(_) | DataType::String(_) | DataType::WideString(_)))) => written(ty, span),
+        (Some(elements), None) if let Some(text) = text_of(shape, elements) => written(text, span),
         (Some(elements), _) => {
             let bounds = elements
                 .bounds
