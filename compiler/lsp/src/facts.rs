@@ -3,6 +3,7 @@
 use plcc_model::layout;
 use plcc_model::types::{DataType, Member};
 use plcc_model::{Direction, Program};
+use plcc_stdlib::BlockClass;
 use plcc_syntax::Elementary;
 
 /// Blocks and data with their addresses.
@@ -116,6 +117,7 @@ impl Facts {
                 .interface
                 .parameters
                 .iter()
+                .filter(|parameter| is_own(&block.key().to_string(), &parameter.name))
                 .map(|parameter| ParameterFacts {
                     name: parameter.name.clone(),
                     direction: match parameter.direction {
@@ -127,13 +129,12 @@ impl Facts {
                     ..ParameterFacts::default()
                 })
                 .collect(),
-            instance: values(&block.interface.instance, DEPTH_MAX),
+            instance: values(&block.interface.instance, &block.key().to_string(), DEPTH_MAX),
         });
-        let data = program.dbs.iter().map(|db| DataFacts {
-            name: db.name.clone(),
-            number: db.number,
-            instance_of: db.instance_of.map(|block| block.to_string()).unwrap_or_default(),
-            members: values(&db.members, DEPTH_MAX),
+        let data = program.dbs.iter().map(|db| {
+            let instance_of = db.instance_of.map(|block| block.to_string()).unwrap_or_default();
+            let members = values(&db.members, &instance_of, DEPTH_MAX);
+            DataFacts { name: db.name.clone(), number: db.number, instance_of, members }
         });
         Facts { blocks: blocks.collect(), data: data.collect(), functions: Vec::new() }
     }
@@ -165,23 +166,35 @@ pub fn same(one: &str, other: &str) -> bool {
     !one.is_empty() && (one == other || one.to_lowercase() == other.to_lowercase())
 }
 
-fn values(members: &[Member], depth: usize) -> Vec<Value> {
-    let value = |member: &Member| Value {
-        name: member.name.clone(),
-        ty: layout::type_name(&member.ty),
-        byte: member.byte,
-        bit: member.bit,
-        bits: layout::used_bits(&member.ty),
-        instance_of: match &member.ty {
+/// `instance_of`: the key of the block whose instance they are, or empty.
+fn values(members: &[Member], instance_of: &str, depth: usize) -> Vec<Value> {
+    let value = |member: &Member| {
+        let instance_of = match &member.ty {
             DataType::Struct(of) => of.instance_of.map(instance_key).unwrap_or_default(),
             _ => String::new(),
-        },
-        members: match &member.ty {
-            DataType::Struct(of) if depth > 0 => values(&of.members, depth - 1),
+        };
+        let members = match &member.ty {
+            DataType::Struct(of) if depth > 0 => values(&of.members, &instance_of, depth - 1),
             _ => Vec::new(),
-        },
+        };
+        Value {
+            name: member.name.clone(),
+            ty: layout::type_name(&member.ty),
+            byte: member.byte,
+            bit: member.bit,
+            bits: layout::used_bits(&member.ty),
+            instance_of,
+            members,
+        }
     };
-    members.iter().map(value).collect()
+    members.iter().filter(|member| is_own(instance_of, &member.name)).map(value).collect()
+}
+
+/// Whether a name belongs to the block with that key: R of a TON is there only because all timers share a layout.
+fn is_own(key: &str, name: &str) -> bool {
+    let number = key.strip_prefix("SFB ").and_then(|number| number.parse().ok());
+    let block = number.and_then(|number| plcc_stdlib::find(BlockClass::Sfb, number));
+    !block.is_some_and(|block| plcc_stdlib::is_shared_input(block, name))
 }
 
 fn instance_key((is_system, number): (bool, u16)) -> String {
