@@ -173,18 +173,21 @@ impl Maker<'_> {
             return None;
         }
         if let Some(Instance::Variable(access)) = &call.instance {
-            if !self.is_direct(access) || !matches!(access.base, Base::Place(Place::Instance { .. })) {
+            let is_own = matches!(access.base, Base::Place(Place::Instance { .. }));
+            // STL of an S7-1500 calls an instance in a data block by the name of its block, too.
+            let is_shared = matches!(access.base, Base::Place(Place::Db { .. }))
+                && self.program.profile.family == Family::S71500
+                && !callee.name.is_empty();
+            if !self.is_direct(access) || !is_own && !is_shared {
                 let help = "declare the instance as static data of the block";
                 self.refuse(access.span, "a call of this instance", help);
                 return None;
             }
             let operand = self.operand(access)?;
-            if !self.has_common_type(&operand) {
+            if is_own && !self.has_common_type(&operand) {
                 return Some((operand, None));
             }
-            let root = PathRoot::Quoted { name: callee.name.clone(), span: here };
-            let kind = OperandKind::Path(Path { root, parts: Vec::new(), span: here });
-            return Some((Operand { kind, span: here }, Some(operand)));
+            return Some((self.named_block(&callee.name), Some(operand)));
         }
         let prefix = match callee.kind {
             BlockKind::Fc => BlockPrefix::Fc,
@@ -221,11 +224,14 @@ impl Maker<'_> {
     /// the library mean the same in both languages.
     fn has_name_in_stl(&self, call: &Call, callee: &CodeBlock) -> bool {
         let key = callee.key();
+        let wanted = Some((key.kind == BlockKind::Sfb, key.number));
         let is_own = match &call.instance {
             None => true,
-            Some(Instance::Db(number)) => self.program.db(*number).is_some_and(|db| db.instance_of == Some(key)),
+            Some(Instance::Db(number)) => self.program.db(*number).is_some_and(|db| {
+                let of = db.instance_of.map(|key| (key.kind == BlockKind::Sfb, key.number));
+                of == wanted || self.shares_data(of, callee)
+            }),
             Some(Instance::Variable(access)) => {
-                let wanted = Some((key.kind == BlockKind::Sfb, key.number));
                 let DataType::Struct(structure) = &access.ty else { return false };
                 structure.instance_of == wanted || self.shares_data(structure.instance_of, callee)
             }
