@@ -146,10 +146,14 @@ impl SclBinder<'_, '_> {
         let told = self.program.globals.report.diagnostics.len();
         let Some(value) = self.program.globals.constant(&ctx.block.bound.constants, node) else {
             let text = self.program.globals.text(node.span);
+            let is_variable = matches!(&node.kind, NodeKind::Name(name)
+                if ctx.block.bound.locals.contains_key(&plcc_binding::fold(&name.text)));
             for message in self.program.globals.report.diagnostics.iter_mut().skip(told) {
-                message
-                    .help
-                    .get_or_insert_with(|| format!("the values of CASE are constants: compare with `{text}` in an IF"));
+                let help = || format!("the values of CASE are constants: compare with `{text}` in an IF");
+                if is_variable {
+                    message.help = Some(help());
+                }
+                message.help.get_or_insert_with(help);
             }
             return None;
         };

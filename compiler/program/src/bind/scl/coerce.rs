@@ -64,13 +64,23 @@ impl SclBinder<'_, '_> {
                             Class::Bits | Class::Duration | Class::Date => None,
                         }
                     }
-                    (Value::Complex { ty: DataType::Struct(structure), .. }, _) => structure
-                        .instance_of
-                        .map(|(sfb, number)| BlockKey {
-                            kind: if sfb { BlockKind::Sfb } else { BlockKind::Fb },
-                            number,
-                        })
-                        .map(|key| self.name_output(key, ty, other.span())),
+                    (Value::Complex { ty: DataType::Struct(structure), .. }, _) => match structure.instance_of {
+                        Some((sfb, number)) => {
+                            let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
+                            Some(self.name_output(BlockKey { kind, number }, ty, other.span()))
+                        }
+                        None if structure.refers_to.is_none() => {
+                            let text = self.program.globals.text(other.span());
+                            let mut members = structure.members.iter();
+                            let any = members.clone().next();
+                            members
+                                .find(|member| member.ty == DataType::Elementary(ty))
+                                .or(any)
+                                .filter(|_| !text.contains(|c: char| c.is_whitespace() || c == '('))
+                                .map(|member| format!("name one of its components, as in `{text}.{}`", member.name))
+                        }
+                        None => None,
+                    },
                     _ => None,
                 };
                 self.wrong_type(other.span(), &message::described(&other), ty.name(), help);

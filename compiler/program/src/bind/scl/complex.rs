@@ -128,6 +128,7 @@ impl SclBinder<'_, '_> {
                         let text = self.program.globals.text(span);
                         Some(format!("convert it: `{}_TO_{wide}STRING({text})`", expr.ty.name()))
                     }
+                    (Value::Elementary(_), DataType::Struct(structure)) => as_components(structure),
                     _ => None,
                 };
                 self.wrong_type(span, &message::described(&other), &layout::type_name(ty), help);
@@ -173,6 +174,7 @@ impl SclBinder<'_, '_> {
                 let value = Value::Constant(constant, span);
                 let help = match ty {
                     DataType::String(_) => number_as_text(&value, &text).map(|text| format!("write `{text}`")),
+                    DataType::Struct(structure) => as_components(structure),
                     _ => None,
                 };
                 self.wrong_type(span, &message::described(&value), &layout::type_name(ty), help);
@@ -310,6 +312,12 @@ fn copied(rules: Rules, text: &str, from: &DataType, to: &DataType) -> Option<St
         }
         _ => None,
     }
+}
+
+/// What to assign to a structure in place of a single value.
+fn as_components(structure: &StructType) -> Option<String> {
+    let is_plain = structure.instance_of.is_none() && structure.refers_to.is_none();
+    is_plain.then(|| "assign its components one by one, or name a structure of the same type".to_string())
 }
 
 /// In which component two structures differ first, for a message.

@@ -306,7 +306,10 @@ impl SclBinder<'_, '_> {
         let whole = matches!(op, Operator::DivideInteger | Operator::Modulo);
         let Some(ty) = ty.filter(|ty| !(whole && ty.is_float())) else {
             let help = match (whole && ty.is_some(), op) {
-                (true, Operator::Modulo) => "MOD needs integers; convert with REAL_TO_DINT(…)".to_string(),
+                (true, Operator::Modulo) => {
+                    let (left, right) = (self.as_integer(&left), self.as_integer(&right));
+                    format!("MOD needs integers: write `{left} MOD {right}`")
+                }
                 (true, _) => "DIV needs integers; for floating-point numbers write `/`".to_string(),
                 (false, Operator::Add) if is_any_text(&left) && is_any_text(&right) => {
                     let globals = &self.program.globals;
@@ -330,6 +333,17 @@ impl SclBinder<'_, '_> {
             );
         }
         self.combined(ctx, binary_op(op), left, right, ty, span)
+    }
+
+    /// The text of a number, converted to an integer if it is not one.
+    fn as_integer(&self, value: &Value) -> String {
+        let text = self.program.globals.text(value.span());
+        match value {
+            Value::Constant(Constant::Real(number), _) if number.fract() == 0.0 => format!("{number:.0}"),
+            Value::Constant(Constant::Real(_), _) => format!("REAL_TO_DINT({text})"),
+            Value::Elementary(expr) if expr.ty.is_float() => format!("{}_TO_DINT({text})", expr.ty.name()),
+            _ => text,
+        }
     }
 
     /// `left op right` in type `ty`.

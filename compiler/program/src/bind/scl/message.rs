@@ -47,7 +47,7 @@ impl SclBinder<'_, '_> {
             _ if convert::explicit(scope.rules, from, to).is_some() => {
                 Some(format!("convert it: {}", conversion(from, to, &text)))
             }
-            _ => None,
+            _ => in_two_steps(scope.rules, from, to, &text),
         };
         self.wrong_type(span, &format!("of type {}", from.name()), to.name(), help);
     }
@@ -135,6 +135,9 @@ fn in_element(rules: Rules, from: Elementary, to: Elementary, text: &str) -> Opt
     })
 }
 
+/// Bytes of an expression that a help repeats.
+const OPERATORS_MAX: usize = 60;
+
 /// How to write the condition that a number was meant as: `NOT #i` is `#i = 0`.
 fn compared_with_zero(from: Elementary, text: &str) -> String {
     let zero = if from.is_float() { "0.0" } else { "0" };
@@ -144,9 +147,12 @@ fn compared_with_zero(from: Elementary, text: &str) -> String {
     let negated = text.get(..3).is_some_and(|word| word.eq_ignore_ascii_case("NOT"));
     let rest = text.get(3..).map_or("", str::trim_start);
     let single = |text: &str| !text.is_empty() && !text.contains(char::is_whitespace);
+    // A comparison comes before AND and OR.
+    let operators = !negated && !text.starts_with('(') && text.len() <= OPERATORS_MAX;
     match negated && single(rest) {
         true => format!("compare it: `{rest} = {zero}`"),
         false if single(text) => format!("compare it: `{text} <> {zero}`"),
+        false if operators && !text.is_empty() => format!("compare it: `({text}) <> {zero}`"),
         false => format!("compare it, for example with `<> {zero}`"),
     }
 }
@@ -175,6 +181,23 @@ pub(super) fn conversion(from: Elementary, to: Elementary, text: &str) -> String
     const LENGTH_MAX: usize = 60;
     let text = if text.is_empty() || text.chars().count() > LENGTH_MAX { "…" } else { text };
     format!("`{}_TO_{}({text})`", short_name(from), short_name(to))
+}
+
+/// How to convert a number to a type for which there is no single function: `DINT_TO_REAL(WORD_TO_DINT(#w))`.
+pub(super) fn in_two_steps(rules: Rules, from: Elementary, to: Elementary, text: &str) -> Option<String> {
+    let is_number = |ty: Elementary| {
+        ty == Elementary::Time || matches!(ty.class(), Class::Signed | Class::Unsigned | Class::Float | Class::Bits)
+    };
+    let joins = |middle: &Elementary| {
+        *middle != from
+            && *middle != to
+            && convert::explicit(rules, from, *middle).is_some()
+            && convert::explicit(rules, *middle, to).is_some()
+    };
+    let middle = [Elementary::Dint, Elementary::Int].into_iter().find(joins);
+    let middle = middle.filter(|_| is_number(from) && is_number(to))?;
+    let first = conversion(from, middle, text);
+    Some(format!("convert it in two steps: {}", conversion(middle, to, first.trim_matches('`'))))
 }
 
 /// A description of a value, for messages: `of type INT`, `a block`.

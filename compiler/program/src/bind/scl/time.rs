@@ -160,13 +160,40 @@ impl SclBinder<'_, '_> {
                 None
             }
             (Of(_) | DateAndTime, _) | (_, Of(_) | DateAndTime) => {
-                let help = "TIME can be combined with TIME and integers, dates with TIME; two dates of one type can be subtracted";
-                self.operator_types(op_span, &left, &right, help);
+                let help = self.scaled_time(op, &left, &right).unwrap_or_else(|| {
+                    "TIME can be combined with TIME and integers, dates with TIME; two dates of one type can be subtracted"
+                        .to_string()
+                });
+                self.operator_types(op_span, &left, &right, &help);
                 None
             }
             _ => return Err((left, right)),
         };
         Ok(value)
+    }
+
+    /// What to write for a TIME that is multiplied or divided by a REAL.
+    fn scaled_time(&self, op: Operator, left: &Value, right: &Value) -> Option<String> {
+        let sign = match op {
+            Operator::Multiply => '*',
+            Operator::Divide => '/',
+            _ => return None,
+        };
+        let is_time = matches!(left, Value::Elementary(expr) if expr.ty == Time);
+        let (time, factor) = (self.program.globals.text(left.span()), self.program.globals.text(right.span()));
+        let is_real = match right {
+            Value::Constant(Constant::Real(number), _) if number.fract() == 0.0 && is_time => {
+                return Some(format!("write `{time} {sign} {number:.0}`"));
+            }
+            Value::Constant(Constant::Real(_), _) => true,
+            Value::Elementary(expr) => expr.ty == Real && !factor.contains(char::is_whitespace),
+            _ => false,
+        };
+        (is_time && is_real).then(|| {
+            format!(
+                "calculate with milliseconds: `DINT_TO_TIME(REAL_TO_DINT(DINT_TO_REAL(TIME_TO_DINT({time})) {sign} {factor}))`"
+            )
+        })
     }
 
     /// True of a DTL or DATE_AND_TIME.

@@ -5,6 +5,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::scl::ast::{Argument as Given, Expr as Node};
 
 use crate::bind::scl::convert::{self, converted};
+use crate::bind::scl::message::in_two_steps;
 use crate::bind::scl::text::{several_bytes, short};
 use crate::bind::scl::value::Value;
 use crate::bind::scl::{SclBinder, SclBlock};
@@ -45,6 +46,9 @@ impl SclBinder<'_, '_> {
         match convert::explicit_expr(ctx.scope.rules, value, to) {
             Some(expr) => Some(Value::Elementary(Expr { span, ..expr })),
             None => {
+                let argument = self.program.globals.text(node.span);
+                let help = in_two_steps(ctx.scope.rules, from, to, &argument)
+                    .unwrap_or_else(|| "convert through a type between them, for example DINT or DWORD".to_string());
                 self.program.report(
                     Diagnostic::new(
                         Code::TypeMismatch,
@@ -52,7 +56,7 @@ impl SclBinder<'_, '_> {
                         format!("there is no conversion from {} to {}", from.name(), to.name()),
                     )
                     .label("SCL does not have this function")
-                    .help("convert through a type between them, for example DINT or DWORD"),
+                    .help(help),
                 );
                 None
             }
