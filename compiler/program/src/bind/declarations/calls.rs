@@ -1,6 +1,8 @@
 //! What calls of all languages check and note: instances, names of parameters, pointers that instances keep.
 
+use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
+use plcc_syntax::ast::BlockPrefix;
 use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
@@ -143,13 +145,35 @@ impl Declarations<'_> {
                 let result = |name: &&str| !name.eq_ignore_ascii_case("RET_VAL");
                 let all: Vec<&str> = names().filter(result).take(12).collect();
                 let help = match all.is_empty() {
+                    _ if self.is_own_value(key, bound, name) => format!(
+                        "the value of the function is `RET_VAL`; in SCL the call itself has it: `… := \"{name}\"(…);`"
+                    ),
                     true => "the block has no parameters".to_string(),
-                    false => format!("its parameters are {}", all.join(", ")),
+                    false => format!("its parameters are {}{}", all.join(", "), self.of_both_directions(key, name)),
                 };
                 message.help(self.globals.with_library_note(key, help))
             }
         });
         meant.map(str::to_owned)
+    }
+
+    /// Whether a call supplies the value of a function under the name of the function.
+    fn is_own_value(&self, key: BlockKey, bound: &BoundInterface, name: &str) -> bool {
+        key.kind == BlockKind::Fc
+            && bound.interface.parameters.iter().any(|parameter| parameter.name == "RET_VAL")
+            && fold(&self.globals.names.block_name(BlockPrefix::Fc, key.number)) == fold(name)
+    }
+
+    /// A note that the counter CTUD has the parameter, which one of a single direction does not have.
+    fn of_both_directions(&self, key: BlockKey, name: &str) -> String {
+        let shown = self.globals.shown(key);
+        let other: &[&str] = match shown.trim_start_matches('`').get(..4) {
+            Some("CTU_" | "CTU`") => &["CD", "LD"],
+            Some("CTD_" | "CTD`") => &["CU", "R"],
+            _ => return String::new(),
+        };
+        let is_other = self.globals.in_library(key) && other.iter().any(|pin| pin.eq_ignore_ascii_case(name));
+        if is_other { format!("; `CTUD` has `{name}`") } else { String::new() }
     }
 
     /// Whether the data block gives the parameter a start value.

@@ -10,7 +10,7 @@ use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 
 /// Functions of other languages, and what a program of a PLC does instead.
-const FUNCTIONS: [(&[&str], &str); 18] = [
+const FUNCTIONS: [(&[&str], &str); 22] = [
     (
         &["printf", "print", "println", "puts", "echo", "writeln", "write", "cout"],
         "a PLC has no console: assign the value to a variable, and watch it in a watch table or in the trace",
@@ -47,10 +47,14 @@ const FUNCTIONS: [(&[&str], &str); 18] = [
     ),
     (&["strcat"], "texts are joined by `CONCAT(IN1 := …, IN2 := …)`"),
     (
-        &["strcpy", "memcpy", "memset"],
+        &["strcpy", "memcpy", "memset", "cop", "cps", "fll"],
         "assign the variable as a whole with `:=`, or copy elements with MOVE_BLK, fill them with FILL_BLK",
     ),
     (&["fabs", "labs"], "write `ABS(…)`, for all numbers"),
+    (&["ons", "osr", "osri"], "a rising edge is the output `Q` of an instance of R_TRIG, after its call in this cycle"),
+    (&["osf", "osfi"], "a falling edge is the output `Q` of an instance of F_TRIG, after its call in this cycle"),
+    (&["rto"], "a timer that keeps its time is an instance of TONR, which its input `R` resets"),
+    (&["mov", "clr"], "write an assignment, as in `target := value;`"),
     (
         &["s", "r", "reset"],
         "a bit is set and reset by assignments, as in `IF on THEN lamp := TRUE; END_IF; IF off THEN lamp := FALSE; END_IF;`",
