@@ -132,6 +132,9 @@ pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Opera
                 "the CPU itself calls the organization blocks: put what several blocks do into an FC, and call that"
                     .to_owned()
             }
+            None if matches!(form(&target.kind), Form::Block(BlockPrefix::Db)) => {
+                format!("write the function block before its data: `CALL FB …, {shown}`")
+            }
             None => "write e.g. `CALL FC 1` or `CALL FB 1, DB 1`".to_owned(),
         };
         return Some(
@@ -149,9 +152,12 @@ pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Opera
     };
     (!data_block).then(|| {
         let shown = &text[instance.span.range()];
+        // `CALL FB 1, DB 1.DBX 0.0`
+        let data = shown.split('.').next().filter(|data| data.get(..2).is_some_and(|db| db.eq_ignore_ascii_case("DB")));
+        let help = format!("write `CALL {}, {}`", &text[target.span.range()], data.unwrap_or("DB …"));
         Diagnostic::new(Code::OperandKind, instance.span, format!("`{shown}` is not an instance data block"))
             .label(describe(&instance.kind))
-            .help("write the instance after the function block: `CALL FB 1, DB 1`")
+            .help(help)
     })
 }
 

@@ -37,10 +37,7 @@ impl StlBinder<'_, '_> {
                         format!("the call of {} names no instance data block", self.program.globals.shown(key)),
                     )
                     .label("a function block keeps its data in a DB")
-                    .help(format!(
-                        "write `CALL {}, DB …` with the number or the symbol of its instance data block",
-                        self.program.globals.text(call.target.span)
-                    )),
+                    .help(self.with_instance(key, call.target.span)),
                 );
                 return None;
             }
@@ -73,6 +70,23 @@ impl StlBinder<'_, '_> {
             self.program.check_instance_db(key, number, operand.span)?;
         }
         Some(Some(Instance::Db(number)))
+    }
+
+    /// How to call the function block at `span` with one of its instances, if the program has any.
+    fn with_instance(&self, key: BlockKey, span: Span) -> String {
+        let block = self.program.globals.text(span);
+        let of_block = self.program.data.blocks.iter().filter(|(_, db)| db.block.instance_of == Some(key));
+        let mut instances: Vec<u16> = of_block.map(|(number, _)| *number).collect();
+        instances.sort_unstable();
+        let Some(first) = instances.first() else {
+            return format!("write `CALL {block}, DB …` with the number or the symbol of its instance data block");
+        };
+        let data = match self.program.globals.names.block_name(BlockPrefix::Db, *first) {
+            name if name.is_empty() => format!("DB {first}"),
+            name => format!("\"{name}\""),
+        };
+        let more = if instances.len() > 1 { ", or another of its instances" } else { "" };
+        format!("write `CALL {block}, {data}`{more}")
     }
 
     fn no_instance<T>(&mut self, span: Span) -> Option<T> {
