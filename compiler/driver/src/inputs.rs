@@ -48,6 +48,8 @@ pub struct Read {
     pub code_page: Option<CodePage>,
     /// Texts of files that an editor has open, which go before those on the disk.
     pub open: BTreeMap<PathBuf, String>,
+    /// Files that are part of the program: one that is named twice, alone and with its folder, is one file.
+    pub seen: BTreeSet<PathBuf>,
 }
 
 impl Read {
@@ -111,12 +113,7 @@ pub fn read_changed(paths: &[PathBuf], code_page: Option<CodePage>, texts: BTree
 }
 
 fn read_into(mut read: Read, paths: &[PathBuf]) -> Read {
-    let mut named = BTreeSet::new();
     for path in paths {
-        // A file that is named twice is one file.
-        if path.is_file() && path.canonicalize().is_ok_and(|whole| !named.insert(whole)) {
-            continue;
-        }
         if !path.is_dir() {
             add_file(&mut read, path, Wanted::Yes);
         } else if path.join(project::FILE_NAME).is_file() {

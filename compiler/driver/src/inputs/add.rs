@@ -33,6 +33,9 @@ pub(super) fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     {
         return read.unread.push((path.to_path_buf(), reason(&why)));
     }
+    if path.is_file() && path.canonicalize().is_ok_and(|whole| !read.seen.insert(whole)) {
+        return;
+    }
     if wanted == Wanted::Yes
         && path.is_file()
         && let Some((what, how)) = foreign::siemens_project(path)
@@ -134,10 +137,17 @@ pub(super) fn add_folder(read: &mut Read, folder: &Path) {
     for path in files.iter().filter(|path| !path.starts_with(&data)) {
         add_file(read, path, Wanted::No);
     }
-    if read.units.len() == before {
+    if read.units.len() == before && !has_source_in(read, folder) {
         let title = format!("the folder `{}` contains no PLC source", folder.display());
         read.report(Code::NotASource, folder, title, "give a file, a folder of sources, or a folder with a plc.toml");
     }
+}
+
+/// Whether a source was read that lies in the folder.
+fn has_source_in(read: &Read, folder: &Path) -> bool {
+    let whole = |path: &Path| path.canonicalize().ok();
+    let names = read.units.iter().map(|unit| whole(Path::new(&read.sources.file(*unit).name)));
+    whole(folder).is_some_and(|folder| names.flatten().any(|path| path.starts_with(&folder)))
 }
 
 pub(super) fn add_project(read: &mut Read, folder: &Path) {
