@@ -38,7 +38,13 @@ pub fn plain_at(message: &str, text: &str, offset: usize) -> Wrong {
     if let Some(wrong) = headings::list_of_a_table(message, &text[start..end]) {
         return wrong;
     }
+    if let Some(wrong) = headings::list_after_a_table(message, &text[..start], &text[start..end]) {
+        return wrong;
+    }
     if let Some(wrong) = headings::open_list(message, &text[..start], &text[start..end]) {
+        return wrong;
+    }
+    if let Some(wrong) = headings::open_table(message, &text[..start], &text[start..end]) {
         return wrong;
     }
     if let Some(wrong) = headings::of_a_text(message, text, &text[start..end], end) {

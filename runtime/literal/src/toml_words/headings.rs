@@ -60,12 +60,44 @@ pub fn of_equations(message: &str, text: &str, line: &str, end: usize) -> Option
     })
 }
 
+/// `[[at]]` in `line`, after `[at]` in the text before it.
+pub fn list_after_a_table(message: &str, before: &str, line: &str) -> Option<Wrong> {
+    let key = line.trim().strip_prefix("[[")?.split("]]").next()?.trim();
+    let single = format!("[{key}]");
+    if !message.starts_with("duplicate key") || !before.lines().any(|line| line.trim() == single) {
+        return None;
+    }
+    Some(Wrong {
+        title: format!("`{single}` before this line is one table, and `[[{key}]]` a list of them"),
+        help: format!("write `[[{key}]]` there, too"),
+    })
+}
+
+/// True of what can be before `=`.
+fn is_key(key: &str) -> bool {
+    let key = key.trim();
+    !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte))
+}
+
+/// `set = { "I0.0" = 1` without its `}`: another key, or a heading, follows in `line`. `before`: the text before it.
+pub fn open_table(message: &str, before: &str, line: &str) -> Option<Wrong> {
+    let told = message.lines().next()?;
+    let next = line.split_once('=').is_some_and(|(key, _)| is_key(key)) || line.trim_start().starts_with('[');
+    if !next || !["missing comma", "missing key for inline table"].iter().any(|part| told.contains(part)) {
+        return None;
+    }
+    let opens = |line: &&str| {
+        line.split_once('=')
+            .is_some_and(|(key, value)| is_key(key) && value.matches('{').count() > value.matches('}').count())
+    };
+    let mut lines = before.lines().rev().map(str::trim).take_while(|line| !line.starts_with('['));
+    let open = lines.find(opens)?.split(" #").next()?.trim_end().trim_end_matches(',').trim_end();
+    let title = "the table before this line is not closed".to_owned();
+    Some(Wrong { title, help: format!("write `{open} }}`") })
+}
+
 /// A list without its `]`: another key follows in `line`. `before`: the text before it.
 pub fn open_list(message: &str, before: &str, line: &str) -> Option<Wrong> {
-    let is_key = |key: &str| {
-        let key = key.trim();
-        !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte))
-    };
     let next = line.split_once('=').is_some_and(|(key, _)| is_key(key)) || line.trim_start().starts_with('[');
     if !next || !message.lines().next()?.contains("missing comma") {
         return None;

@@ -30,6 +30,11 @@ fn habit(line: &str) -> Option<Wrong> {
     if plain.ends_with(';') && plain.starts_with(|c: char| c == '[' || c.is_alphanumeric()) {
         return wrong("a line has no `;` at its end", format!("write `{}`", plain.trim_end_matches(';').trim_end()));
     }
+    if plain.contains(['{', '['])
+        && let Some(meant) = with_commas(plain)
+    {
+        return wrong("parts are separated by `,`, not by `;`", format!("write `{meant}`"));
+    }
     if plain.starts_with('{') && plain.contains("\":") {
         return wrong("the file is not JSON", "write each key on a line of its own, `key = value`".to_owned());
     }
@@ -38,6 +43,26 @@ fn habit(line: &str) -> Option<Wrong> {
         return wrong("the text is not closed on its line", format!("write `{plain}'`"));
     }
     None
+}
+
+/// `{ "I0.0" = 1; "I0.1" = 0; }` with its `;` as `,`; none: there is no `;` outside of texts.
+fn with_commas(line: &str) -> Option<String> {
+    let mut in_text = false;
+    let meant: String = line
+        .chars()
+        .map(|letter| {
+            in_text ^= letter == '"';
+            if letter == ';' && !in_text { ',' } else { letter }
+        })
+        .collect();
+    if meant == line {
+        return None;
+    }
+    let mut parts = meant;
+    for (ends, end) in [(", }", " }"), (",}", "}"), (", ]", "]"), (",]", "]")] {
+        parts = parts.replace(ends, end);
+    }
+    Some(parts)
 }
 
 /// An error in the form of the file.

@@ -198,6 +198,36 @@ fn proposes_what_is_meant() {
 }
 
 #[test]
+fn parts_of_a_table_have_commas_between_them() {
+    let (quotes, title) =
+        ("string values must be quoted, expected literal string", "parts are separated by `,`, not by `;`");
+    same(quotes, "set = { \"Start\" = 1; }", title, "write `set = { \"Start\" = 1 }`");
+    let comma = "missing comma between key-value pairs, expected `,`";
+    same(comma, "set = { \"a\" = 1; \"b;c\" = 0 }", title, "write `set = { \"a\" = 1, \"b;c\" = 0 }`");
+}
+
+#[test]
+fn tables_are_closed() {
+    let text = "[[at]]\ncycle = 1\nset = { \"Start\" = 1\nexpect = { \"Motor\" = 1 }\n\n[[at]]\n";
+    let (title, help) = ("the table before this line is not closed", "write `set = { \"Start\" = 1 }`");
+    for (message, line) in [
+        ("missing comma between key-value pairs, expected `,`", "expect"),
+        ("missing key for inline table element, expected key", "\n[[at]]"),
+    ] {
+        let at = text.find(line).unwrap_or_default() + usize::from(line.starts_with('\n'));
+        assert_eq!(plain_at(message, text, at), Wrong { title: title.to_owned(), help: help.to_owned() });
+    }
+}
+
+#[test]
+fn a_table_is_no_list_of_tables() {
+    let text = "[at]\ncycle = 1\n\n[[at]]\ncycle = 2\n";
+    let wrong = plain_at("duplicate key", text, 19);
+    assert_eq!(wrong.title, "`[at]` before this line is one table, and `[[at]]` a list of them");
+    assert_eq!(wrong.help, "write `[[at]]` there, too");
+}
+
+#[test]
 fn tells_the_form_in_plain_words() {
     let quotes = "string values must be quoted, expected literal string";
     same(quotes, "name = x # a", "a text is written in quotation marks", "write `name = \"x\"`");
