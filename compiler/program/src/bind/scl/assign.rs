@@ -9,6 +9,7 @@ use super::complex::copied_bytes;
 use super::convert;
 use super::expression::constant_expr;
 use super::place::Thing;
+use super::scope::Scope;
 use super::value::Value;
 use super::{Intent, Rules, message};
 use crate::bind::scl::{SclBinder, SclBlock};
@@ -192,7 +193,7 @@ impl SclBinder<'_, '_> {
                 Some(StatementKind::AssignText { target, value })
             }
             DataType::Array(_) if matches!(value, Value::Constant(..) | Value::Elementary(_)) => {
-                self.single_value_for_array(ctx.scope.rules, &ty, target.span, &value);
+                self.single_value_for_array(&ctx.scope, &ty, target.span, &value);
                 None
             }
             DataType::DateAndTime | DataType::Array(_) | DataType::Struct(_) | DataType::Parameter(_) => {
@@ -210,7 +211,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// Reports `array := 0`.
-    fn single_value_for_array(&mut self, rules: Rules, ty: &DataType, target: Span, value: &Value) {
+    fn single_value_for_array(&mut self, scope: &Scope, ty: &DataType, target: Span, value: &Value) {
         let DataType::Array(array) = ty else { return };
         let text = |span| self.program.globals.text(span);
         let (target, written) = (text(target), text(value.span()));
@@ -218,7 +219,10 @@ impl SclBinder<'_, '_> {
         let element = format!("{target}[{}]", low.join(","));
         let count = layout::element_count(&array.bounds);
         let single = array.bounds.len() == 1 && matches!(array.element, DataType::Elementary(_));
-        let help = match rules != Rules::Classic && single {
+        let help = match scope.rules != Rules::Classic && single {
+            true if scope.is_network() => format!(
+                "use the element `FILL_BLK( in := {written}, count := {count}, out => {element} )`, or for one element connect `{element}`"
+            ),
             true => format!(
                 "write `FILL_BLK(IN := {written}, COUNT := {count}, OUT => {element});`, or for one element `{element} := {written};`"
             ),

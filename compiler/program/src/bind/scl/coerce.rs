@@ -56,10 +56,16 @@ impl SclBinder<'_, '_> {
                         let text = self.program.globals.text(other.span());
                         let wide = if matches!(own, DataType::WideString(_)) { "W" } else { "" };
                         match ty.class() {
+                            Class::Signed | Class::Unsigned | Class::Float if ctx.scope.is_network() => {
+                                Some(format!("{}, or take one character: `{text}[1]`", message::text_element(&text)))
+                            }
                             Class::Signed | Class::Unsigned | Class::Float | Class::Character => Some(format!(
                                 "convert it: `{wide}STRING_TO_{}({text})`, or take one character: `{text}[1]`",
                                 ty.name()
                             )),
+                            Class::Bits if ty == Elementary::Bool && ctx.scope.is_network() => {
+                                Some(format!("compare it: `NE_Contact( in1 := {text}, in2 := '' )`, in FBD `Ne`"))
+                            }
                             Class::Bits if ty == Elementary::Bool => Some(format!("compare it: `{text} <> ''`")),
                             Class::Bits | Class::Duration | Class::Date => None,
                         }

@@ -126,7 +126,11 @@ impl SclBinder<'_, '_> {
                     {
                         let wide = if matches!(ty, DataType::WideString(_)) { "W" } else { "" };
                         let text = self.program.globals.text(span);
-                        Some(format!("convert it: `{}_TO_{wide}STRING({text})`", expr.ty.name()))
+                        let is_number = matches!(expr.ty.class(), Class::Signed | Class::Unsigned | Class::Float);
+                        match ctx.scope.is_network() {
+                            true => is_number.then(|| message::text_element(&text)),
+                            false => Some(format!("convert it: `{}_TO_{wide}STRING({text})`", expr.ty.name())),
+                        }
                     }
                     (Value::Elementary(_), DataType::Struct(structure)) => as_components(structure),
                     _ => None,

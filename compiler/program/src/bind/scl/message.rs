@@ -120,9 +120,7 @@ fn in_element(rules: Rules, from: Elementary, to: Elementary, text: &str) -> Opt
     let is_number = matches!(from.class(), Class::Signed | Class::Unsigned | Class::Float | Class::Bits);
     if to == Elementary::Bool {
         let zero = if from.is_float() { "0.0" } else { "0" };
-        // The value of another element has no name.
-        let is_operand = text.starts_with(['#', '"', '%']) && !text.contains(char::is_whitespace);
-        return Some(match (is_number, is_operand) {
+        return Some(match (is_number, is_operand(text)) {
             (true, true) => format!("compare it: `NE_Contact( in1 := {text}, in2 := {zero} )`, in FBD `Ne`"),
             (true, false) => format!("compare it with {zero} in an element of its own: `NE_Contact`, in FBD `Ne`"),
             (false, _) => "compare it with a value of its type".to_string(),
@@ -137,6 +135,19 @@ fn in_element(rules: Rules, from: Elementary, to: Elementary, text: &str) -> Opt
 
 /// Bytes of an expression that a help repeats.
 const OPERATORS_MAX: usize = 60;
+
+/// Whether a value in a network has a name: that of another element has none.
+fn is_operand(text: &str) -> bool {
+    text.starts_with(['#', '"', '%']) && !text.contains(char::is_whitespace)
+}
+
+/// The element of networks that makes a text of a number, and a number of a text. `text`: the value as written.
+pub(super) fn text_element(text: &str) -> String {
+    match is_operand(text) {
+        true => format!("convert it in an element of its own: `S_CONV( in := {text}, out => … )`"),
+        false => "convert it in an element of its own: `S_CONV`".to_string(),
+    }
+}
 
 /// How to write the condition that a number was meant as: `NOT #i` is `#i = 0`.
 fn compared_with_zero(from: Elementary, text: &str) -> String {
