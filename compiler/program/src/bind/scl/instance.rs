@@ -8,6 +8,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{Access, Instance};
 use plcc_model::types::{DataType, Member, StructType};
 use plcc_model::{BlockKey, layout};
+use plcc_syntax::Elementary;
 use plcc_syntax::ast::{BlockName, BlockPrefix};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Name, NameForm};
 
@@ -82,6 +83,10 @@ impl SclBinder<'_, '_> {
                 let access = self.access(ctx, base, Intent::Both)?;
                 match &access.ty {
                     DataType::Struct(ty) => (std::rc::Rc::clone(ty), Instance::Variable(access)),
+                    DataType::Elementary(ty) if self.is_block_of_library(ctx, &name.text) => {
+                        self.no_instance(base.span, *ty, &name.text);
+                        return None;
+                    }
                     _ => return self.variable_callee(ctx, node),
                 }
             }
@@ -94,6 +99,28 @@ impl SclBinder<'_, '_> {
             Some(key) => Some(Callee::Block { key, instance: Some(instance) }),
             None => self.wrong_instruction(&ty, &instance, name),
         }
+    }
+
+    /// Whether the library has a function block of this name.
+    fn is_block_of_library(&self, ctx: &SclBlock, name: &str) -> bool {
+        let key = self.library_function(ctx.scope.rules, name);
+        key.is_some_and(|key| matches!(key.kind, BlockKind::Fb | BlockKind::Sfb))
+    }
+
+    /// `#time.TON(…)` with a single value in place of the instance.
+    fn no_instance(&mut self, span: Span, ty: Elementary, asked: &str) {
+        let text = self.program.globals.text(span);
+        let upper = asked.to_ascii_uppercase();
+        let data = match upper.as_str() {
+            "TP" | "TON" | "TOF" | "TONR" => format!("{upper}_TIME"),
+            "CTU" | "CTD" | "CTUD" => format!("{upper}_INT"),
+            _ => asked.to_string(),
+        };
+        self.program.report(
+            Diagnostic::new(Code::NoBlockFits, span, format!("`{text}` is not an instance of `{asked}`"))
+                .label(format!("a variable of type {}", ty.name()))
+                .help(format!("give it the type `{data}`, which holds the data of `{asked}`")),
+        );
     }
 
     /// The instance in `#timer.TON`, a call that is bound: `TON` is the name of its block and no component.
@@ -182,7 +209,7 @@ impl SclBinder<'_, '_> {
                 let known =
                     self.program.globals.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
                 // `CTU` of CTU_INT
-                let short = known.rsplit_once('_').filter(|(_, ty)| plcc_syntax::Elementary::from_word(ty).is_some());
+                let short = known.rsplit_once('_').filter(|(_, ty)| Elementary::from_word(ty).is_some());
                 let instruction = short.map_or(known.as_str(), |(first, _)| first);
                 let asked = &name.text;
                 Diagnostic::new(Code::NoBlockFits, name.span, format!("{what} is not an instance of `{asked}`"))
