@@ -1,5 +1,5 @@
-//! Names of steps and transitions, which have no blanks: a name that is written with some is reported once, at its definition, and
-//! read as it is written where it is used.
+//! Names of steps and transitions, which have no blanks and no `-`: a name that is written with some is reported once, at its
+//! definition, and read as it is written where it is used.
 
 use plcc_diag::{Code, Diagnostic};
 
@@ -18,9 +18,11 @@ impl<'a> Classifier<'a, '_> {
             _ => return self.step_name(token),
         };
         let span = self.span(token).to(self.span(self.raw[self.at + parts]));
-        let joined = name.split_whitespace().collect::<Vec<_>>().join("_");
+        let parts_of_name = name.split(|c: char| c.is_whitespace() || c == '-').filter(|part| !part.is_empty());
+        let joined = parts_of_name.collect::<Vec<_>>().join("_");
+        let sign = if name.contains('-') { "no `-`" } else { "no blanks" };
         self.report(
-            Diagnostic::new(Code::Syntax, span, format!("the name of a {what} has no blanks"))
+            Diagnostic::new(Code::Syntax, span, format!("the name of a {what} has {sign}"))
                 .label("one name is expected here")
                 .help(format!("write `{joined}`, here and where it is used")),
         );
@@ -28,11 +30,12 @@ impl<'a> Classifier<'a, '_> {
         self.take_spaced(token, name, parts);
     }
 
-    /// How many words after the name at the current token belong to it: `Tank 1 (*$_NUM 2*)`, `Tank 1:`.
+    /// How many tokens after the name at the current token belong to it: `Tank 1 (*$_NUM 2*)`, `Tank-1:`.
     fn parts_after_name(&self) -> usize {
         let is_part = |index: &usize| {
             let clause = self.is_word(*index, "FROM") || self.is_word(*index, "TO");
-            let next = self.raw.get(*index).filter(|next| is_name(next.kind) && !next.first_on_line);
+            let joins = |kind| is_name(kind) || kind == RawKind::Minus;
+            let next = self.raw.get(*index).filter(|next| joins(next.kind) && !next.first_on_line);
             next.is_some() && !clause && self.keyword_at(*index).is_none()
         };
         let parts = (self.at + 1..self.raw.len()).take_while(is_part).count();
