@@ -189,6 +189,33 @@ pub fn parse(text: &str) -> Option<Address> {
     Some(Address { place, width: if is_value { Width::Word } else { Width::Bit(0) } })
 }
 
+/// Why a text that has the form of an address is none: a number of it is too large. `None`: it has another form.
+pub(crate) fn too_large(text: &str) -> Option<String> {
+    const AREAS: [&str; 9] = ["PI", "PE", "PQ", "PA", "I", "E", "Q", "A", "M"];
+    let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    let bare = compact.strip_prefix('%').unwrap_or(&compact);
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_above = |number: &str, most: u32| digits(number).is_none_or(|number| number > most);
+    if let Some(number) = bare.strip_prefix(['T', 'C', 'Z']).filter(|number| is_number(number)) {
+        let cell = if bare.starts_with('T') { "timer" } else { "counter" };
+        return is_above(number, layout::TIMERS_MAX - 1).then(|| format!("this CPU has no {cell} {number}"));
+    }
+    let rest = match bare.strip_prefix("DB").and_then(|rest| rest.split_once(".DB")) {
+        Some((number, rest)) if is_number(number) => rest,
+        Some(_) => return None,
+        None => AREAS.iter().find_map(|area| bare.strip_prefix(area))?,
+    };
+    let (byte, bit) = match rest.strip_prefix(['B', 'W', 'D', 'L']) {
+        Some(byte) => (byte, None),
+        None => rest.strip_prefix('X').unwrap_or(rest).split_once('.').map(|(byte, bit)| (byte, Some(bit)))?,
+    };
+    match is_number(byte) && bit.is_none_or(is_number) {
+        true if is_above(byte, 65_535) => Some("bytes have the numbers 0 to 65535".to_string()),
+        true if bit.is_some_and(|bit| is_above(bit, 7)) => Some("a byte has the bits 0 to 7".to_string()),
+        true | false => None,
+    }
+}
+
 /// A decimal number of at most 6 digits.
 pub(crate) fn digits(text: &str) -> Option<u32> {
     let plain = !text.is_empty() && text.len() <= 6 && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -429,6 +456,27 @@ mod tests {
         assert_eq!(parse("T5"), Some(Address { place: Place::Timer(5), width: Width::Bit(0) }));
         assert_eq!(parse("t 5.value"), Some(Address { place: Place::TimerValue(5), width: Width::Word }));
         same("C5.VALUE", "Z5.VALUE");
+    }
+
+    #[test]
+    fn numbers_of_addresses_that_are_too_large() {
+        for (text, why) in [
+            ("MW99999", "bytes have the numbers 0 to 65535"),
+            ("%MB65536", "bytes have the numbers 0 to 65535"),
+            ("pew 70000", "bytes have the numbers 0 to 65535"),
+            ("DB1.DBW70000", "bytes have the numbers 0 to 65535"),
+            ("M99999999999.0", "bytes have the numbers 0 to 65535"),
+            ("I0.9", "a byte has the bits 0 to 7"),
+            ("MX0.8", "a byte has the bits 0 to 7"),
+            ("DB1.DBX0.8", "a byte has the bits 0 to 7"),
+            ("T2048", "this CPU has no timer 2048"),
+            ("z99999999", "this CPU has no counter 99999999"),
+        ] {
+            assert_eq!((parse(text), too_large(text).as_deref()), (None, Some(why)), "{text}");
+        }
+        for text in ["", "M", "M0", "M0.0", "MW", "MW2.9", "Motor", "DB1", "DBX.DBW70000", "T5.VALUE", "\"I0.9\""] {
+            assert_eq!(too_large(text), None, "{text}");
+        }
     }
 
     #[test]

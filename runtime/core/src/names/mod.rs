@@ -61,7 +61,10 @@ pub fn find(text: &str, image: &ProgramImage) -> Result<Named, String> {
         false => path::parts(text),
     };
     match parts.as_deref() {
-        Some([Part::Name(root), rest @ ..]) => finder.value(text, root, rest),
+        Some([Part::Name(root), rest @ ..]) => finder.value(text, root, rest).map_err(|wrong| {
+            // `I0.9` was meant as an address.
+            address::too_large(text).map_or(wrong, |why| format!("`{text}` is not an address: {why}"))
+        }),
         _ => Err(format!("`{text}` is neither an address (such as {}) nor a name", examples(image))),
     }
 }
@@ -437,12 +440,8 @@ impl<'a> Finder<'a> {
                 }
             },
         };
-        // `I0.9` was meant as an address.
         let is_bit = text.rsplit_once('.').is_some_and(|(_, bit)| digits(bit).is_some());
         let is_address = root.starts_with(['I', 'E', 'Q', 'A', 'M', 'i', 'e', 'q', 'a', 'm']);
-        if is_address && is_bit && digits(&root[1..]).is_some() {
-            return format!("`{text}` is not an address: a byte has the bits 0 to 7");
-        }
         // `M10`
         if is_address && near.is_empty() && text == root && digits(&root[1..]).is_some() {
             let (area, byte) = root.split_at(1);
