@@ -130,9 +130,10 @@ impl Names {
                 Use::Registers => options::check_registers(text, false, image),
             };
             let error = checked.err()?;
-            Some(match error.split_once("; did you mean ") {
-                Some((title, near)) => {
-                    Diagnostic::new(Code::Project, *span, title.to_string()).help(format!("did you mean {near}"))
+            let advice = ["; did you mean ", "; switch off "].iter().find_map(|begin| error.find(begin));
+            Some(match advice {
+                Some(at) => {
+                    Diagnostic::new(Code::Project, *span, error[..at].to_string()).help(error[at + 2..].to_string())
                 }
                 None => Diagnostic::new(Code::Project, *span, error)
                     .help("write a name or an address as for `--print`: `Motor.Speed`, `DB10.DBW0`"),

@@ -111,6 +111,15 @@ impl Start {
                 return Err(format!("`{text}` is not in I, Q, M, a data block or the I/O"));
             }
         };
+        if let Area::Db(number) = area
+            && let Some(db) = image.dbs.iter().find(|db| db.number == number && db.optimized)
+        {
+            let block = if db.name.is_empty() { format!("DB {number}") } else { format!("`{}`", db.name) };
+            return Err(format!(
+                "`{text}` is in a data block with optimised access, whose values have no addresses; switch off the optimised \
+                 access of {block}"
+            ));
+        }
         Ok((Start { area, byte, bit }, matches!(address.width, Width::Bit(_))))
     }
 
