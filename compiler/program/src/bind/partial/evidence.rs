@@ -11,6 +11,21 @@ use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::types::{DataType, ParameterType};
 
+/// Which names and components get a declaration. What is not declared still learns its type from its uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Guess {
+    /// Those whose type some use shows.
+    Nothing,
+    /// Those with the type of an address or constant, too.
+    ByConstants,
+    /// All.
+    Anything,
+}
+
+impl Guess {
+    pub const ALL: [Guess; 3] = [Guess::Nothing, Guess::ByConstants, Guess::Anything];
+}
+
 /// The type that a use needs, the most certain first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Hint {
@@ -153,7 +168,7 @@ impl Shape {
     }
 
     /// True if no use shows its type yet.
-    pub fn is_vague(&self) -> bool {
+    fn is_vague(&self) -> bool {
         self.ty.is_none()
             && self.cell.is_none()
             && self.members.is_empty()
@@ -166,9 +181,38 @@ impl Shape {
             && !self.is_constant
     }
 
+    /// Whether it gets a declaration.
+    pub fn is_declared(&self, guess: Guess) -> bool {
+        match guess {
+            Guess::Nothing => !self.is_vague(),
+            Guess::ByConstants => !self.is_vague() || self.width.is_some() || self.literal.is_some(),
+            Guess::Anything => true,
+        }
+    }
+
+    /// Without the components and elements that get no declaration.
+    pub fn declared(&self, guess: Guess) -> Shape {
+        let mut shape = self.clone();
+        if guess < Guess::Anything {
+            shape.prune(guess);
+        }
+        shape
+    }
+
+    fn prune(&mut self, guess: Guess) {
+        self.members.iter_mut().for_each(|(_, member)| member.prune(guess));
+        self.members.retain(|(_, member)| member.is_declared(guess));
+        if let Some(elements) = &mut self.elements {
+            elements.shape.prune(guess);
+            if !elements.shape.is_declared(guess) {
+                self.elements = None;
+            }
+        }
+    }
+
     /// Number of facts in it, to see whether a round found new ones.
     pub fn weight(&self) -> usize {
-        let own = usize::from(self.ty.is_some())
+        let own = self.ty.as_ref().map_or(0, |ty| 1 + components(ty))
             + usize::from(self.width.is_some())
             + usize::from(self.literal.is_some())
             + usize::from(self.cell.is_some())
@@ -201,10 +245,63 @@ fn joined(known: Option<DataType>, other: &DataType) -> DataType {
             let wider = number(known) && number(*other) && rank(*other) > rank(known);
             DataType::Elementary(if wider { *other } else { known })
         }
+        (Some(known), other) if is_newer(&known, other) => other.clone(),
         // NULL goes to a VARIANT only, which takes everything else as well.
         (_, variant @ DataType::Parameter(ParameterType::Variant)) => variant.clone(),
         (Some(known), _) => known,
     }
+}
+
+/// Whether a type is a structure with a name.
+pub fn is_named(ty: &DataType) -> bool {
+    matches!(ty, DataType::Struct(structure) if !structure.name.is_empty())
+}
+
+/// Whether a type is a structure without a name, or an array of them: what stands in for a missing one has the components that are
+/// known by now.
+pub fn is_unnamed(ty: &DataType) -> bool {
+    match ty {
+        DataType::Struct(structure) => {
+            structure.name.is_empty() && structure.instance_of.is_none() && structure.refers_to.is_none()
+        }
+        DataType::Array(array) => is_unnamed(&array.element),
+        _ => false,
+    }
+}
+
+/// Limit of the components of a structure without a name: it may contain itself.
+const COMPONENTS_MAX: usize = 2000;
+
+/// Whether a type is a later state of a structure: the components of a missing one become known one after the other.
+fn is_newer(before: &DataType, after: &DataType) -> bool {
+    match (before, after) {
+        (DataType::Struct(before), DataType::Struct(after)) if !before.name.is_empty() => before.name == after.name,
+        _ if !is_unnamed(before) => false,
+        _ if is_unnamed(after) => (components(before)..COMPONENTS_MAX).contains(&components(after)),
+        _ => is_named(after),
+    }
+}
+
+/// Number of components of a structure without a name, at most [`COMPONENTS_MAX`].
+fn components(ty: &DataType) -> usize {
+    fn count(ty: &DataType, left: &mut usize) {
+        match ty {
+            DataType::Struct(structure) if is_unnamed(ty) => {
+                for member in &structure.members {
+                    if *left == 0 {
+                        return;
+                    }
+                    *left -= 1;
+                    count(&member.ty, left);
+                }
+            }
+            DataType::Array(array) => count(&array.element, left),
+            _ => {}
+        }
+    }
+    let mut left = COMPONENTS_MAX;
+    count(ty, &mut left);
+    COMPONENTS_MAX - left
 }
 
 /// Everything that is missing, with what its uses show.

@@ -31,7 +31,7 @@ use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::scl::{SclBlock, Scope};
 use crate::bind::trees::blocks;
-use evidence::Evidence;
+use evidence::{Evidence, Guess};
 use look::Look;
 use plcc_binding::BindInput;
 use plcc_binding::Bound;
@@ -62,8 +62,9 @@ pub fn complete(input: &BindInput) -> Completed {
     let mut wrong: Option<FxHashSet<(Code, Span)>> = None;
     let own: FxHashSet<(Code, Span)> = errors(&first.diagnostics).collect();
     for round in 0.. {
-        let stand_ins = stand_ins(input, &evidence, file, true, &refused, no_main);
-        let bound = super::program::bind_all(&with(input, &units, &evidence, &stand_ins, file).as_input(input, file));
+        let stand_ins = stand_ins(input, &evidence, file, Guess::Anything, &refused, no_main);
+        let whole = with(input, &units, &evidence, Guess::Anything, &stand_ins, file);
+        let bound = super::program::bind_all(&whole.as_input(input, file));
         let wrong =
             wrong.get_or_insert_with(|| errors(&bound.diagnostics).filter(|error| own.contains(error)).collect());
         let mut places: Vec<Span> =
@@ -109,11 +110,12 @@ fn with(
     input: &BindInput,
     units: &[(FileId, SourceUnit)],
     evidence: &Evidence,
+    guess: Guess,
     stand_ins: &StandIns,
     file: FileId,
 ) -> Whole {
     let mut units = units.to_vec();
-    add_components(&mut units, evidence);
+    add_components(&mut units, evidence, guess);
     let unit = SourceUnit { blocks: stand_ins.blocks.clone(), ..SourceUnit::default() };
     Whole {
         units: units.into_iter().chain([(file, unit)]).collect(),
@@ -122,7 +124,7 @@ fn with(
 }
 
 /// Adds the components that the program uses and the data blocks do not declare, after the declared ones: addresses stay.
-fn add_components(units: &mut [(FileId, SourceUnit)], evidence: &Evidence) {
+fn add_components(units: &mut [(FileId, SourceUnit)], evidence: &Evidence, guess: Guess) {
     if evidence.added.is_empty() {
         return;
     }
@@ -132,7 +134,10 @@ fn add_components(units: &mut [(FileId, SourceUnit)], evidence: &Evidence) {
         if let (Some(shape), ast::DataContent::Struct(variables)) =
             (evidence.added.get(&(span.file, span.start)), &mut data.content)
         {
-            variables.extend(write::members(shape, span));
+            let shape = shape.declared(guess);
+            if !shape.members.is_empty() {
+                variables.extend(write::members(&shape, span));
+            }
         }
     }
 }
@@ -141,7 +146,7 @@ fn stand_ins(
     input: &BindInput,
     evidence: &Evidence,
     file: FileId,
-    vague: bool,
+    guess: Guess,
     refused: &FxHashSet<Missing>,
     no_main: bool,
 ) -> StandIns {
@@ -150,7 +155,7 @@ fn stand_ins(
     let used_cells = &evidence.cells;
     let cells = [limit(profile.timers), limit(profile.counters)];
     let outlines = outlines(input);
-    let mut stand_ins = Writer { evidence, file, vague, refused, cells, used_cells, outlines: &outlines }.write();
+    let mut stand_ins = Writer { evidence, file, guess, refused, cells, used_cells, outlines: &outlines }.write();
     if no_main {
         let at = stand_ins.lines.len() as u32;
         let span = Span { file, start: at, end: at };
@@ -183,11 +188,11 @@ fn outlines<'a>(input: &BindInput<'a>) -> FxHashMap<String, &'a ast::CodeBlock> 
 fn gather(input: &BindInput, file: FileId) -> Evidence {
     let mut evidence = Evidence::default();
     let none = FxHashSet::default();
-    for vague in [false, true] {
+    for guess in Guess::ALL {
         for _ in 0..LOOKS_MAX {
             let before = evidence.weight();
-            let stand_ins = stand_ins(input, &evidence, file, vague, &none, false);
-            let whole = with(input, input.units, &evidence, &stand_ins, file);
+            let stand_ins = stand_ins(input, &evidence, file, guess, &none, false);
+            let whole = with(input, input.units, &evidence, guess, &stand_ins, file);
             let input = whole.as_input(input, file);
             let mut program = Declarations::new(&input);
             program.globals.collect();

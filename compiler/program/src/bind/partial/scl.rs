@@ -7,7 +7,7 @@ use plcc_syntax::scl::ast::{
     Argument, AssignOp, BinaryOp, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement, StatementKind, UnaryOp,
 };
 
-use super::evidence::Hint;
+use super::evidence::{Hint, is_named, is_unnamed};
 use super::look::{Look, Start, Step};
 use crate::bind::scl::callee::Callee;
 use crate::bind::scl::function::Named;
@@ -112,13 +112,18 @@ impl Look<'_, '_> {
         }
     }
 
-    /// Teaches a place its type as a whole, if it is a data type: components that are used show only what they are themselves.
+    /// Teaches a place its type as a whole, if that is a structure: components that are used show only what they are themselves. One
+    /// without a name counts only where no components are used.
     fn structure(&mut self, ctx: &mut SclBlock, node: &Node, hint: Option<&Hint>) {
-        if let Some(Hint::Type(DataType::Struct(structure))) = hint
-            && !structure.name.is_empty()
+        if let Some(Hint::Type(ty)) = hint
+            && (is_named(ty) || is_unnamed(ty))
             && let Some((start, steps, span)) = self.steps(ctx, node)
         {
-            self.with_shape(ctx, &start, &steps, span, &mut |shape| shape.learn(hint));
+            self.with_shape(ctx, &start, &steps, span, &mut |shape| {
+                if is_named(ty) || shape.members.is_empty() && shape.elements.is_none() {
+                    shape.learn(hint);
+                }
+            });
         }
     }
 

@@ -9,7 +9,7 @@ use plcc_syntax::ast::{
 use plcc_syntax::scl::ast as scl;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::evidence::{Elements, Evidence, Interface, Shape};
+use super::evidence::{Elements, Evidence, Guess, Interface, Shape};
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::layout;
@@ -62,11 +62,11 @@ enum Kind {
     Tag,
 }
 
-/// Writes stand-ins for all missing names. `vague`: also for those whose uses do not show their type.
+/// Writes stand-ins for missing names.
 pub struct Writer<'e> {
     pub evidence: &'e Evidence,
     pub file: FileId,
-    pub vague: bool,
+    pub guess: Guess,
     /// Names that cannot have a stand-in.
     pub refused: &'e FxHashSet<Missing>,
     /// Timers and counters of the CPU, and those that the program uses.
@@ -82,7 +82,7 @@ impl Writer<'_> {
         let mut byte = MEMORY_START;
         let mut next_cell = self.cells;
         for (missing, shape) in &self.evidence.things {
-            if self.refused.contains(missing) || (shape.is_vague() && !self.vague) {
+            if self.refused.contains(missing) || !shape.is_declared(self.guess) {
                 continue;
             }
             let span = self.span(stand_ins.lines.len());
@@ -96,6 +96,10 @@ impl Writer<'_> {
                 Some(_) => Kind::Function,
                 None => kind_of(missing, shape),
             };
+            let shape = &shape.declared(self.guess);
+            if matches!(kind, Kind::Tag) && !shape.is_declared(self.guess) {
+                continue;
+            }
             let what = match kind {
                 Kind::Constant => {
                     let count = stand_ins.table.constants.len() as i64;
