@@ -10,6 +10,7 @@ use plcc_syntax::stl::{OperandClass, StlInsn};
 use super::evidence::Hint;
 use super::look::{Look, Start, Step, of_constant, of_width, step_of_part};
 use super::scl::{parameter_hint, typed};
+use crate::bind::globals::names;
 use crate::bind::scl::SclBlock;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::instance::instance_key;
@@ -251,7 +252,7 @@ impl Look<'_, '_> {
         let Some((start, steps, span)) = start_of_operand(ctx, &call.target) else { return };
         let known = self.quietly(|program| match StlBinder::new(program).settle(ctx.block, &call.target)? {
             Settled::Block { prefix, number: Number::Known(number) } => {
-                Some(BlockKey { kind: crate::bind::globals::names::code_kind(prefix)?, number })
+                Some(BlockKey { kind: names::code_kind(prefix)?, number })
             }
             Settled::Complex { ty, .. } => instance_key(&ty),
             _ => None,
@@ -269,20 +270,8 @@ impl Look<'_, '_> {
         });
         if let Some(operand) = &call.instance
             && let Some((instance, steps, span)) = start_of_operand(ctx, operand)
-            && steps.is_empty()
         {
-            let of = match (&missing, is_missing) {
-                (Some(missing), true) => Some(missing.clone()),
-                _ => None,
-            };
-            // The binder creates the instance of a known block.
-            if of.is_some() || matches!(&instance, Start::Global(name) if self.program.globals.global(name).is_none()) {
-                let of = of.or_else(|| known.and_then(known_block));
-                self.with_shape(ctx, &instance, &[], span, &mut |shape| {
-                    shape.is_db = true;
-                    shape.of = shape.of.take().or(of.clone());
-                });
-            }
+            self.instance(ctx, &instance, &steps, span, missing.filter(|_| is_missing), known);
         }
         if is_missing {
             for parameter in &call.parameters {
@@ -314,11 +303,39 @@ impl Look<'_, '_> {
             self.operand(ctx, actual, hint.as_ref());
         }
     }
-}
 
-/// A block that is known, as instances refer to it.
-fn known_block(key: BlockKey) -> Option<Missing> {
-    Missing::block(crate::bind::globals::names::kind_prefix(key.kind), u32::from(key.number))
+    /// The instance of a call: of a block that is missing, or of one that is known.
+    fn instance(
+        &mut self,
+        ctx: &SclBlock,
+        start: &Start,
+        steps: &[Step],
+        span: Span,
+        missing: Option<Missing>,
+        known: Option<BlockKey>,
+    ) {
+        let library = known.and_then(|key| self.program.globals.library_block(key));
+        // The binder creates the instance of a known block. A component can only be one of a block of the library.
+        let is_new = match steps {
+            [] => {
+                missing.is_some() || matches!(start, Start::Global(name) if self.program.globals.global(name).is_none())
+            }
+            _ => missing.is_none() && library.is_some(),
+        };
+        if !is_new {
+            return;
+        }
+        let of = missing.or_else(|| match library {
+            // No source can name an instruction of the TIA Portal by a number.
+            Some(block) if block.is_tia() => Some(Missing::name(block.name)),
+            _ => known.and_then(|key| Missing::block(names::kind_prefix(key.kind), u32::from(key.number))),
+        });
+        let is_whole = steps.is_empty();
+        self.with_shape(ctx, start, steps, span, &mut |shape| {
+            shape.is_db |= is_whole;
+            shape.of = shape.of.take().or(of.clone());
+        });
+    }
 }
 
 fn start_of_block(name: &BlockName) -> Start {
