@@ -1,4 +1,4 @@
-//! Repairs that a message itself proposes: `is "speed" meant?`
+//! Repairs that a message itself proposes: `is "speed" meant?`, `read as <>`.
 
 use plcc_diag::Diagnostic;
 
@@ -6,6 +6,10 @@ use crate::words::bare;
 
 /// The text that is meant in place of what a message marks, if it says so. `marked`: what it marks.
 pub fn replacement(message: &Diagnostic, marked: &str) -> Option<String> {
+    let own = read_as(message, marked).map(str::to_owned);
+    if let Some(text) = own.or_else(|| completed(message, marked)) {
+        return Some(text);
+    }
     let help = message.help.as_deref()?;
     // A message about a part of what it marks, or about another place, names something else.
     if !message.title.contains(bare(marked)) {
@@ -25,6 +29,36 @@ pub fn replacement(message: &Diagnostic, marked: &str) -> Option<String> {
         (_, true) => format!("#{meant}"),
         (false, false) => meant.to_owned(),
     })
+}
+
+/// What a message reads in place of what it marks: `THEN` for `THN`, `<>` for `!=`. Where the help changes more than that, nothing.
+fn read_as<'m>(message: &'m Diagnostic, marked: &str) -> Option<&'m str> {
+    let meant = message.primary.text.strip_prefix("read as `")?.strip_suffix('`')?;
+    let written = between(message.help.as_deref()?, "write `", "`")?;
+    let is_letter = |c: char| c.is_alphanumeric() || c == '_';
+    let is_sign = !marked.contains(|c: char| is_letter(c) || c.is_whitespace() || matches!(c, '"' | '\'' | '#'));
+    let is_word = marked.chars().all(|c| is_letter(c) || matches!(c, ' ' | '$'));
+    let fits = if is_sign { written.contains(meant) } else { is_word && written.trim_end_matches(';') == meant };
+    (fits && !marked.is_empty() && !meant.contains('…')).then_some(meant)
+}
+
+/// What a message marks with the sign that is missing after it.
+fn completed(message: &Diagnostic, marked: &str) -> Option<String> {
+    let (sign, after) = message.title.strip_prefix('`')?.split_once("` is missing after `")?;
+    let is_it = matches!(sign, ";" | ":" | ",") && after.strip_suffix('`') == Some(marked);
+    is_it.then(|| format!("{marked}{sign}"))
+}
+
+/// A text in place of another one between `before` and `after`; a word in place of a sign stands apart: `a AND b` of `a&&b`.
+pub fn apart(text: &str, marked: &str, before: &str, after: &str) -> String {
+    let is_word = |text: &str| text.contains(char::is_alphanumeric);
+    if is_word(marked) || !is_word(text) {
+        return text.to_owned();
+    }
+    let touches = |c: Option<char>, bracket: char| c.is_some_and(|c| !c.is_whitespace() && c != bracket);
+    let left = if touches(before.chars().next_back(), '(') { " " } else { "" };
+    let right = if touches(after.chars().next(), ')') { " " } else { "" };
+    format!("{left}{text}{right}")
 }
 
 /// The text between two others, without backquotes.
@@ -48,6 +82,36 @@ mod tests {
     fn what_is_meant_is_written() {
         let found = written("the symbol `Motr` is not defined", "is `Motor` meant?", "\"Motr\"");
         assert_eq!(found.as_deref(), Some("\"Motor\""));
+    }
+
+    #[test]
+    fn what_is_read_is_written() {
+        let read = |title: &str, meant: &str, help: &str, marked: &str| {
+            let message = Diagnostic::new(Code::ForeignForm, Span::default(), title);
+            replacement(&message.label(format!("read as `{meant}`")).help(help), marked)
+        };
+        let found = read("the keyword is `THEN`, not `THN`", "THEN", "write `THEN`", "THN");
+        assert_eq!(found.as_deref(), Some("THEN"));
+        assert_eq!(read("not equal is `<>`", "<>", "write `#a <> 3`", "!=").as_deref(), Some("<>"));
+        assert_eq!(read("`END_FOR` cannot end IF", "END_IF", "write `END_IF;`", "END_FOR").as_deref(), Some("END_IF"));
+        // All of the parameter is marked, or the condition changes as well.
+        assert_eq!(read("`q` of `F` is an output", "=>", "write `q => #x`", "q := #x"), None);
+        assert_eq!(read("REPEAT ends with UNTIL", "UNTIL", "write `UNTIL NOT (#a)`", "WHILE"), None);
+    }
+
+    #[test]
+    fn what_is_missing_is_added() {
+        let title = "`;` is missing after `#level`";
+        assert_eq!(written(title, "end each statement with `;`", "#level").as_deref(), Some("#level;"));
+        assert_eq!(written(title, "end each statement with `;`", "#other"), None);
+    }
+
+    #[test]
+    fn a_word_for_a_sign_stands_apart() {
+        assert_eq!(apart("AND", "&&", "#a", "#b"), " AND ");
+        assert_eq!(apart("NOT", "!", "IF (", "#a)"), "NOT ");
+        assert_eq!(apart("<>", "!=", "#a", "#b"), "<>");
+        assert_eq!(apart("THEN", "THN", "5 ", "\n"), "THEN");
     }
 
     #[test]

@@ -327,10 +327,11 @@ fn actions(view: &View, params: &CodeActionParams) -> Vec<CodeActionOrCommand> {
         if span.file != view.file || !touches(lines.range(span.range())) {
             continue;
         }
-        let Some(text) = fixes::replacement(message, view.text().get(span.range()).unwrap_or_default()) else {
-            continue;
-        };
-        let edit = TextEdit::new(lines.range(span.range()), text.clone());
+        let marked = view.text().get(span.range()).unwrap_or_default();
+        let Some(text) = fixes::replacement(message, marked) else { continue };
+        let around = |range: std::ops::Range<usize>| view.text().get(range).unwrap_or_default();
+        let (before, after) = (around(0..span.range().start), around(span.range().end..view.text().len()));
+        let edit = TextEdit::new(lines.range(span.range()), fixes::apart(&text, marked, before, after));
         actions.push(CodeActionOrCommand::CodeAction(CodeAction {
             title: format!("Write `{text}`"),
             kind: Some(CodeActionKind::QUICKFIX),

@@ -86,6 +86,26 @@ fn every_name_that_is_meant_can_be_written() {
 }
 
 #[test]
+fn what_a_message_reads_can_be_written() {
+    let mut editor = Editor::new("words");
+    editor.open("words.scl");
+    editor.messages("words.scl");
+    editor.edit("words.scl", "#\"not\" THEN", "#\"not\"&&TRUE THN");
+    // First what does not parse, then what the whole program has.
+    for _ in 0..2 {
+        assert_eq!(editor.messages("words.scl").len(), 2);
+    }
+    for (marked, title, text) in [("&&", "Write `AND`", " AND "), ("THN", "Write `THEN`", "THEN")] {
+        let (uri, range) = (editor.uri("words.scl"), editor.range("words.scl", marked));
+        let params = json!({ "textDocument": { "uri": uri }, "range": range, "context": { "diagnostics": [] } });
+        let actions = editor.ask("textDocument/codeAction", params);
+        let edit = json!([{ "range": range, "newText": text }]);
+        assert_eq!(actions[0]["title"], json!(title), "{actions}");
+        assert_eq!(actions[0]["edit"]["changes"][&uri], edit, "{actions}");
+    }
+}
+
+#[test]
 fn words_are_explained() {
     let mut editor = Editor::new("plant");
     editor.open("main.stl");
