@@ -112,8 +112,9 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     }
     let mut files = Vec::new();
     let told = companions::cpu_of_pragmas(&parsed).filter(|name| profile::lookup(name).is_some());
+    let default = cpu_for_stl(&parsed);
     let program = match messages.is_empty() && has_scl_for_stl(to, &parsed) {
-        true => match bound(args, &parsed, cpu_for_stl(&parsed)) {
+        true => match bound(args, &parsed, default) {
             Ok(bound) => Some(bound.program),
             Err(code) => return code,
         },
@@ -121,6 +122,9 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
     };
     let project = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
     let cpu = args.cpu.as_deref().or(project.map(|(name, _)| name.as_str())).or(told);
+    // What nobody names, the statements do.
+    let usual = default.filter(|default| cpu.is_none() && program.is_some() && *default == without_stl::USUAL);
+    let cpu = cpu.or(usual);
     if messages.is_empty() {
         let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
         let mut library = xml::Library::with_symbols(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
@@ -211,7 +215,10 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
                 let own = own.map(|(_, texts)| texts_beside(parsed.sources.file(*texts).text.clone()));
                 let beside = file.beside.into_iter().chain(own).chain(tags).collect();
                 let text = match to {
-                    ConvertTo::Stl => without_stl::text(&file.text, args.cpu.as_deref()),
+                    ConvertTo::Stl => {
+                        let pragma = usual.map_or_else(String::new, |cpu| format!("//@ cpu {cpu}\n"));
+                        pragma + &without_stl::text(&file.text, args.cpu.as_deref())
+                    }
                     _ => file.text,
                 };
                 files.push(Converted { name: source.name.clone(), text, beside });
@@ -306,8 +313,22 @@ fn has_scl_for_stl(to: ConvertTo, parsed: &pipeline::Parsed) -> bool {
 /// The CPU for STL made from SCL and charts if nothing names one; `None`: the one that the sources imply, as when they are run.
 fn cpu_for_stl(parsed: &pipeline::Parsed) -> Option<&'static str> {
     let implied = plcc_program::implied_profile(&parsed.units);
-    // That has no STL.
-    (implied.family == Family::S71200).then_some("s7-300")
+    if implied.family == Family::S71200 {
+        // That has no STL.
+        return Some("s7-300");
+    }
+    // SCL of the TIA Portal follows the rules of an S7-1500, whose STL has instructions that an S7-300 does not have.
+    let is_of_portal = |block: &Block| match block {
+        Block::Code(block) => match &block.code {
+            Code::Scl(body) => body.dialect == scl::ast::Dialect::Tia,
+            Code::Graphic(_) => true,
+            Code::Stl(_) | Code::Chart(_) => false,
+        },
+        Block::Data(_) | Block::Type(_) => true,
+    };
+    let is_unnamed = implied.family == Family::S7300 && !implied.limits_checked;
+    let is_for_portal = is_unnamed && parsed.units.iter().flat_map(|(_, unit)| &unit.blocks).all(is_of_portal);
+    is_for_portal.then_some(without_stl::USUAL)
 }
 
 /// How the sources are bound: for the CPU of the command line, of the project or of a pragma; else for `default`.

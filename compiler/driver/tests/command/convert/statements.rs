@@ -140,6 +140,32 @@ fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
     assert!(text(&refused.stderr).contains("S7-1200"), "{}", text(&refused.stderr));
 }
 
+/// Statements of SCL of the TIA Portal that names no CPU are for an S7-1500, and say so; those of S7-SCL are for an S7-300.
+#[test]
+fn scl_of_the_portal_without_a_cpu_becomes_stl_of_an_s7_1500() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "ORGANIZATION_BLOCK \"Main\"\nVERSION : 0.1\nVAR_TEMP\n  s : String[10];\n  n : Int;\nEND_VAR\nBEGIN\n  \
+                  #s := 'abc';\n  #n := LEN(#s);\n  //@ assert #n == 3\nEND_ORGANIZATION_BLOCK\n";
+    fs::create_dir(folder.join("plant")).expect("the folder can be written");
+    fs::write(folder.join("plant/main.scl"), source).expect("the folder can be written");
+    for (from, to) in [("plant/main.scl", "a.stl"), ("plant", "made/")] {
+        let made = plcc(folder, &["convert", from, "--to", "stl", "-o", to]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        let tested = plcc(folder, &["test", to]);
+        let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+        assert!(found.contains("1 passed, 0 failed"), "{found}");
+    }
+    for list in ["a.stl", "made/main.stl"] {
+        let list = fs::read_to_string(folder.join(list)).expect("it was written");
+        assert!(list.starts_with("//@ cpu s7-1500\nORGANIZATION_BLOCK"), "{list}");
+    }
+    let classic = "ORGANIZATION_BLOCK OB 1\nVAR_TEMP\n  n : INT;\nEND_VAR\nBEGIN\n  n := 1;\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("b.scl"), classic).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "b.scl", "--to", "stl"]);
+    assert!(text(&made.stdout).starts_with("ORGANIZATION_BLOCK"), "{}{}", text(&made.stdout), text(&made.stderr));
+}
+
 /// Networks of a project for an S7-1200 are statements for an S7-1500, and its settings name one, too.
 #[test]
 fn networks_for_a_cpu_without_stl_are_for_another() {
