@@ -129,7 +129,7 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 13] = [
+    const SOURCES: [&str; 14] = [
         "language/case_of_small_and_unsigned_tia",
         "language/choices_as_lists",
         "language/copied_elements",
@@ -143,6 +143,7 @@ fn whole_sources_become_lists() {
         "language/text_functions_tia",
         "library/instances_as_lists_tia",
         "library/instances_in_data_tia",
+        "library/numbers_as_texts_in_lists_tia",
     ];
     const FOR_S7_300: [&str; 3] =
         ["language/choices_as_lists", "language/copied_elements", "language/parts_in_memory_tia"];

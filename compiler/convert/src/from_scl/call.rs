@@ -13,6 +13,7 @@ use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 use super::address::Target;
+use super::number_text;
 use super::text::{TEXT_MAX, TextInstruction};
 use crate::to_stl::library::is_block;
 
@@ -40,7 +41,7 @@ impl Maker<'_> {
     pub fn call(&mut self, call: &Call) -> Option<Operand> {
         let program = self.program;
         let callee = program.block(call.target)?;
-        let instruction = self.text_instruction(callee);
+        let instruction = self.text_instruction(callee, call);
         let result_of = callee
             .interface
             .parameters
@@ -62,7 +63,11 @@ impl Maker<'_> {
         let mut parameters = Vec::new();
         for argument in &call.arguments {
             let formal = &callee.interface.parameters[argument.parameter];
-            let actual = self.actual(call, callee, formal, argument, &mut backs);
+            let number = number_text::number(callee, call).filter(|_| instruction.is_some() && formal.name == "IN");
+            let actual = match number {
+                Some((_, value)) => Some(self.passed(value, self.changes_nothing(call))),
+                None => self.actual(call, callee, formal, argument, &mut backs),
+            };
             if self.refused {
                 return result.map(|(operand, _)| operand);
             }
@@ -328,7 +333,8 @@ impl Maker<'_> {
             // The function gets the text itself; a function block would get a copy that ends with its own length.
             Actual::Complex(Complex::Const(bytes))
                 if formal.ty == DataType::String(TEXT_MAX)
-                    && (callee.kind == BlockKind::Fc && !callee.library || self.text_instruction(callee).is_some()) =>
+                    && (callee.kind == BlockKind::Fc && !callee.library
+                        || self.text_instruction(callee, call).is_some()) =>
             {
                 self.constant_text(bytes).or_else(|| self.no_actual(argument.span))
             }

@@ -84,10 +84,10 @@ impl Maker<'_> {
     }
 
     /// An input: a constant, or a variable that no other input changes, itself.
-    fn passed(&mut self, value: &Expr, stays: bool) -> Operand {
-        use Elementary::{Dint, Int, Sint, Udint, Uint, Usint};
+    pub fn passed(&mut self, value: &Expr, stays: bool) -> Operand {
+        use Elementary::{Dint, Int, Lint, Sint, Udint, Uint, Usint};
         match &value.kind {
-            ExprKind::Const(bits) if matches!(value.ty, Sint | Int | Dint | Usint | Uint | Udint) => {
+            ExprKind::Const(bits) if matches!(value.ty, Sint | Int | Dint | Lint | Usint | Uint | Udint) => {
                 return self.whole_number(value.ty, *bits);
             }
             ExprKind::Const(bits) if value.ty != Elementary::Real || f32::from_bits(*bits as u32).is_finite() => {

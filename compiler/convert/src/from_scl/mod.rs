@@ -4,7 +4,8 @@
 //! - `place`: places in memory by their names; `address`: those that AR1 points at.
 //! - `control`: IF, CASE, loops, jumps; `copy`: whole arrays and structures; `value`: numbers in ACCU1; `shift`: shifts;
 //!   `convert`: conversions; `choice`: SEL, MUX; `logic`: BOOLs in the RLO.
-//! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `text`: texts and their functions; `cell`: timers and counters.
+//! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `text`: texts and their functions;
+//!   `number_text`: numbers as texts and back; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
 //! - `networks`: networks in SCL among those of LAD and FBD.
 //! - `chart`: what charts declare, and what their statements expect.
@@ -25,6 +26,7 @@ mod copy;
 mod instruction;
 mod logic;
 mod networks;
+mod number_text;
 mod place;
 mod position;
 mod shift;

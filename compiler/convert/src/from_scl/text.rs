@@ -32,9 +32,20 @@ pub struct TextInstruction {
     name: &'static str,
     /// What a comparison looks for.
     relation: Option<&'static str>,
+    /// The types of IN and OUT of a conversion.
+    conversion: Option<(&'static str, &'static str)>,
 }
 
 impl TextInstruction {
+    const fn plain(name: &'static str) -> TextInstruction {
+        TextInstruction { name, relation: None, conversion: None }
+    }
+
+    /// Of a number and a text.
+    pub const fn converting(name: &'static str, source: &'static str, result: &'static str) -> TextInstruction {
+        TextInstruction { name, relation: None, conversion: Some((source, result)) }
+    }
+
     /// The name that an instruction has for a parameter of its function.
     pub fn parameter(own: &str) -> &str {
         match own {
@@ -47,28 +58,30 @@ impl TextInstruction {
 
     /// What the call names before its parameters.
     pub fn types(self) -> Vec<CallType> {
-        let named = |relation: &str| {
-            [("string_type", "String"), ("relation", relation)]
-                .map(|(name, ty)| CallType { name: name.to_string(), ty: ty.to_string() })
-        };
-        self.relation.map_or_else(Vec::new, |relation| named(relation).into())
+        let of_relation = self.relation.map(|relation| [("string_type", "String"), ("relation", relation)]);
+        let of_conversion = self.conversion.map(|(source, result)| [("src_type", source), ("dest_type", result)]);
+        let types = of_relation.or(of_conversion).into_iter().flatten();
+        types.map(|(name, ty)| CallType { name: name.to_string(), ty: ty.to_string() }).collect()
     }
 }
 
 impl Maker<'_> {
     /// The instruction that a call of a block of the library becomes.
-    pub fn text_instruction(&self, callee: &CodeBlock) -> Option<TextInstruction> {
+    pub fn text_instruction(&self, callee: &CodeBlock, call: &Call) -> Option<TextInstruction> {
         if !callee.library {
             return None;
         }
         let found = match callee.kind {
             BlockKind::Sfc => {
-                let name = FUNCTIONS.into_iter().find(|name| *name == callee.name)?;
-                TextInstruction { name, relation: None }
+                let own = callee.name.strip_suffix("_WSTRING").unwrap_or(&callee.name);
+                match FUNCTIONS.into_iter().find(|name| *name == own) {
+                    Some(name) => TextInstruction::plain(name),
+                    None => super::number_text::conversion(callee, call)?,
+                }
             }
             BlockKind::Fc => {
                 let (_, relation) = RELATIONS.into_iter().find(|(number, _)| *number == callee.number)?;
-                TextInstruction { name: "S_COMP", relation: Some(relation) }
+                TextInstruction { relation: Some(relation), ..TextInstruction::plain("S_COMP") }
             }
             BlockKind::Ob | BlockKind::Fb | BlockKind::Sfb | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => {
                 return None;
@@ -115,8 +128,8 @@ impl Maker<'_> {
         call.arguments.iter().all(|argument| match &argument.actual {
             Actual::Value(value) => super::value::is_plain(value),
             Actual::Complex(Complex::Call(inner)) => {
-                let is_instruction =
-                    self.program.block(inner.target).is_some_and(|callee| self.text_instruction(callee).is_some());
+                let block = self.program.block(inner.target);
+                let is_instruction = block.is_some_and(|callee| self.text_instruction(callee, inner).is_some());
                 is_instruction && inner.enable.is_none() && inner.eno.is_none() && self.changes_nothing(inner)
             }
             _ => true,
@@ -143,9 +156,7 @@ impl Maker<'_> {
         };
         let Some(to) = self.operand(target) else { return };
         let (target, parameters) = match self.program.profile.family {
-            Family::S71500 => {
-                (self.called(TextInstruction { name: "S_MOVE", relation: None }), vec![("IN", from), ("OUT", to)])
-            }
+            Family::S71500 => (self.called(TextInstruction::plain("S_MOVE")), vec![("IN", from), ("OUT", to)]),
             Family::S7300 | Family::S7400 | Family::S7200 | Family::S71200 => {
                 let key = BlockKey { kind: BlockKind::Fc, number: LEFT };
                 if !is_narrow || self.program.block(key).is_some_and(|block| !block.library) {
