@@ -145,8 +145,12 @@ fn whole_sources_become_lists() {
         "library/instances_in_data_tia",
         "library/numbers_as_texts_in_lists_tia",
     ];
-    const FOR_S7_300: [&str; 3] =
-        ["language/choices_as_lists", "language/copied_elements", "language/parts_in_memory_tia"];
+    const FOR_S7_300: [&str; 4] = [
+        "language/choices_as_lists",
+        "language/constant_texts_classic",
+        "language/copied_elements",
+        "language/parts_in_memory_tia",
+    ];
     let all = SOURCES.map(|name| (name, "s7-1500")).into_iter().chain(FOR_S7_300.map(|name| (name, "s7-300")));
     for (name, cpu) in all {
         let path = tests_folder().join(format!("run/scl/{name}.scl"));

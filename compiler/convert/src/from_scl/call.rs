@@ -330,13 +330,8 @@ impl Maker<'_> {
                 });
                 Some(from)
             }
-            // The function gets the text itself; a function block would get a copy that ends with its own length.
-            Actual::Complex(Complex::Const(bytes))
-                if formal.ty == DataType::String(TEXT_MAX)
-                    && (callee.kind == BlockKind::Fc && !callee.library
-                        || self.text_instruction(callee, call).is_some()) =>
-            {
-                self.constant_text(bytes).or_else(|| self.no_actual(argument.span))
+            Actual::Complex(Complex::Const(bytes)) => {
+                self.text_actual(call, callee, formal, bytes).or_else(|| self.no_actual(argument.span))
             }
             Actual::Complex(Complex::Call(inner)) if formal.ty == DataType::String(TEXT_MAX) => self.call(inner),
             Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {

@@ -11,6 +11,7 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+use super::text::TEXT_MAX;
 
 /// A variable that the block declares besides those of its source.
 pub struct Temporary {
@@ -159,7 +160,8 @@ impl Maker<'_> {
 /// The type of a temporary as its declaration writes it.
 fn declared_type(ty: &DataType) -> TypeKind {
     match ty {
-        DataType::String(_) => TypeKind::String(None),
+        DataType::String(TEXT_MAX) => TypeKind::String(None),
+        DataType::String(length) => TypeKind::String(Some(Bound::Number(i64::from(*length), Span::default()))),
         other => TypeKind::Named(layout::type_name(other)),
     }
 }

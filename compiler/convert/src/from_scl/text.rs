@@ -5,7 +5,7 @@
 use plcc_abi::image::{BlockKind, Family};
 use plcc_model::scl::{Access, Actual, Call, Complex, Statement};
 use plcc_model::types::DataType;
-use plcc_model::{BlockKey, CodeBlock};
+use plcc_model::{BlockKey, CodeBlock, Parameter};
 use plcc_syntax::ast::{self, AddressRegister, BlockName, BlockPrefix, CallType, Operand, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
@@ -95,30 +95,71 @@ impl Maker<'_> {
         self.named_block(instruction.name)
     }
 
-    /// A constant text; only STL of an S7-1500 has these as actual parameters.
-    pub fn constant_text(&self, bytes: &[u8]) -> Option<Operand> {
-        let [_, length, characters @ ..] = bytes else { return None };
-        let text = characters.get(..usize::from(*length)).filter(|_| self.program.profile.family == Family::S71500)?;
-        Some(Operand { kind: OperandKind::Literal(Literal::Text(text.to_vec())), span: self.span })
+    /// A constant text as an actual parameter; none: STL cannot pass it.
+    pub fn text_actual(
+        &mut self,
+        call: &Call,
+        callee: &CodeBlock,
+        formal: &Parameter,
+        bytes: &[u8],
+    ) -> Option<Operand> {
+        let DataType::String(maximum) = formal.ty else { return None };
+        let is_instruction = self.text_instruction(callee, call).is_some();
+        match callee.kind {
+            // It gets a copy, which would end with the length of the constant.
+            BlockKind::Fb | BlockKind::Sfb => Some(self.text_variable(maximum, characters(bytes)?)),
+            // It gets the text itself.
+            BlockKind::Fc if maximum == TEXT_MAX && !callee.library => self.constant_text(bytes, Some(TEXT_MAX)),
+            BlockKind::Fc if maximum == TEXT_MAX && self.program.profile.family != Family::S71500 => {
+                self.constant_text(bytes, None)
+            }
+            BlockKind::Fc | BlockKind::Sfc if maximum == TEXT_MAX && is_instruction => self.constant_text(bytes, None),
+            BlockKind::Fc | BlockKind::Sfc | BlockKind::Ob | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => None,
+        }
+    }
+
+    /// A constant text. Only STL of an S7-1500 has these as actual parameters; others get a variable of its length, or of `maximum`.
+    fn constant_text(&mut self, bytes: &[u8], maximum: Option<u8>) -> Option<Operand> {
+        let text = characters(bytes)?;
+        if self.program.profile.family == Family::S71500 {
+            return Some(Operand { kind: OperandKind::Literal(Literal::Text(text.to_vec())), span: self.span });
+        }
+        let maximum = maximum.unwrap_or(text.len().clamp(1, usize::from(TEXT_MAX)) as u8);
+        Some(self.text_variable(maximum, text))
     }
 
     /// An empty text for the current statement. What was in temporary data before is not a text.
     pub fn empty_text(&mut self) -> Operand {
-        let text = self.variable(&DataType::String(TEXT_MAX), "text");
-        if let OperandKind::Path(path) = &text.kind {
-            let there = OperandKind::RegisterIndirect {
-                area: None,
-                width: Width::Word,
-                register: AddressRegister::Ar1,
-                offset: 0,
+        self.text_variable(TEXT_MAX, &[])
+    }
+
+    /// A variable with these characters, which has room for `maximum`.
+    fn text_variable(&mut self, maximum: u8, characters: &[u8]) -> Operand {
+        let text = self.variable(&DataType::String(maximum), "text");
+        let OperandKind::Path(path) = &text.kind else { return text };
+        let length = characters.len().min(usize::from(maximum));
+        let here = self.span;
+        let operand = |kind| Some(Operand { kind, span: here });
+        self.push(StlInsn::Load, operand(OperandKind::AddressOf(path.clone())));
+        self.push(StlInsn::LoadAr1, None);
+        let there = |width: Width, byte: u32| {
+            let register = AddressRegister::Ar1;
+            operand(OperandKind::RegisterIndirect { area: None, width, register, offset: byte * 8 })
+        };
+        let head = OperandKind::Literal(Literal::Word(u16::from(maximum) << 8 | length as u16));
+        self.push(StlInsn::Load, operand(head));
+        self.push(StlInsn::Transfer, there(Width::Word, 0));
+        let (mut rest, mut byte) = (&characters[..length], 2);
+        while !rest.is_empty() {
+            let (size, width) = match rest.len() {
+                4.. => (4, Width::Dword),
+                2 | 3 => (2, Width::Word),
+                _ => (1, Width::Byte),
             };
-            let head = OperandKind::Literal(Literal::Word(u16::from(TEXT_MAX) << 8));
-            let operand = |kind| Some(Operand { kind, span: self.span });
-            let [address, head, there] = [OperandKind::AddressOf(path.clone()), head, there].map(operand);
-            self.push(StlInsn::Load, address);
-            self.push(StlInsn::LoadAr1, None);
-            self.push(StlInsn::Load, head);
-            self.push(StlInsn::Transfer, there);
+            let (part, more) = rest.split_at(size);
+            self.push(StlInsn::Load, operand(OperandKind::Literal(Literal::Text(part.to_vec()))));
+            self.push(StlInsn::Transfer, there(width, byte));
+            (rest, byte) = (more, byte + size as u32);
         }
         text
     }
@@ -147,7 +188,7 @@ impl Maker<'_> {
             Complex::Variable(source) if same_kind(&source.ty, &target.ty) && self.is_direct(source) => {
                 self.operand(source)
             }
-            Complex::Const(bytes) if is_narrow => self.constant_text(bytes),
+            Complex::Const(bytes) if is_narrow => self.constant_text(bytes, None),
             Complex::Call(call) if is_narrow => self.call(call),
             _ => None,
         };
@@ -178,6 +219,12 @@ impl Maker<'_> {
         let call = ast::Call { target, types: Vec::new(), instance: None, parameters: parameters.collect() };
         self.push_kind(ast::StatementKind::Call(Box::new(call)));
     }
+}
+
+/// Those of a constant, after its head.
+fn characters(bytes: &[u8]) -> Option<&[u8]> {
+    let [_, length, characters @ ..] = bytes else { return None };
+    characters.get(..usize::from(*length))
 }
 
 /// Two texts with characters of one size.
