@@ -8,7 +8,7 @@
 //!              labels.rs: GOTO 10                  addresses.rs: MW 10                left_out.rs: #a > 5 THEN
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
 //!              around.rs: NAMESPACE                enumerations.rs: TYPE x : INT (a, b)
-//!              durations.rs: T#1h 30m
+//!              durations.rs: T#1h 30m              stl.rs: L #a; T #b;
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -30,6 +30,7 @@ mod loops;
 mod sections;
 mod signs;
 mod statements;
+mod stl;
 mod values;
 mod words;
 

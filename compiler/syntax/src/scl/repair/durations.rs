@@ -69,6 +69,22 @@ impl Repair<'_> {
         true
     }
 
+    /// `12:30:00`: a time of day without its prefix. Called at the first colon.
+    pub(super) fn time_with_colons(&mut self) -> bool {
+        let at = self.at;
+        let Some(first) = at.checked_sub(1).filter(|_| self.is_assigned()) else { return false };
+        let kinds = [first, at + 1, at + 2, at + 3].map(|index| self.kind(index));
+        let wanted = [RawKind::Number, RawKind::Number, RawKind::Colon, RawKind::Number].map(Some);
+        if kinds != wanted || !(first..at + 3).all(|index| self.adjacent(index)) {
+            return false;
+        }
+        let written = self.words(first, at + 3);
+        let title = "a time of day begins with `TOD#`".to_owned();
+        self.report(first, at + 4, title, "not a constant of SCL", format!("write `TOD#{written}`"));
+        self.replace(first, at + 4, RawKind::Reported, None);
+        true
+    }
+
     /// `D#2024/5/6`, `DATE#6/5/2024`: a date with slashes.
     pub(super) fn date_with_slashes(&mut self, token: RawToken) -> bool {
         let at = self.at;

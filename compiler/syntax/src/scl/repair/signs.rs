@@ -25,7 +25,7 @@ impl Repair<'_> {
         match token.kind {
             RawKind::Number | RawKind::Real => self.repair_number(token),
             RawKind::Semicolon => self.arguments_with_semicolon() || self.value_of_case_with_semicolon(),
-            RawKind::Colon => self.split_assignment() || self.element_past_image(),
+            RawKind::Colon => self.split_assignment() || self.element_past_image() || self.time_with_colons(),
             RawKind::Stray => self.stray_sign(token) || self.curved_quotes(token),
             RawKind::Assign => self.value_with_sign(),
             RawKind::Arrow => self.value_with_sign() || self.arrow(),
@@ -39,7 +39,10 @@ impl Repair<'_> {
             RawKind::Text => self.doubled_quote(token),
             RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
             RawKind::Plus | RawKind::Minus => {
-                self.step(token) || self.step_before(token) || self.comment_with_minus(token)
+                self.step(token)
+                    || self.step_before(token)
+                    || self.comment_with_minus(token)
+                    || self.component_with_arrow(token)
             }
             RawKind::Slash => self.half_comment(token),
             RawKind::Star => self.end_of_no_comment(),

@@ -29,7 +29,8 @@ impl Repair<'_> {
     /// A statement of another language that begins with a word.
     pub(super) fn foreign_statement(&mut self, token: RawToken) -> bool {
         token.kind == RawKind::Word
-            && (self.declaration_inside(token)
+            && (self.statement_list(token)
+                || self.declaration_inside(token)
                 || self.tested_at_end(token)
                 || self.exceptions(token)
                 || self.value_after_word(token)

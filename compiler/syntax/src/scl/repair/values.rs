@@ -339,4 +339,20 @@ impl Repair<'_> {
         self.drop_tokens(at, at + 1);
         true
     }
+
+    /// `a->b`: a component of a structure. Called at the minus.
+    pub(super) fn component_with_arrow(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let joined = at > 0 && (at - 1..=at + 1).all(|index| self.adjacent(index));
+        let kinds = [at + 1, at + 2].map(|index| self.kind(index));
+        let is_arrow = token.kind == RawKind::Minus && kinds == [Some(RawKind::Greater), Some(RawKind::Word)];
+        if !joined || !is_arrow || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let (structure, component) = (self.words(self.operand_start(at), at - 1), self.words(at + 2, at + 2));
+        let help = format!("write `{structure}.{component}`");
+        self.report(at, at + 2, "a component follows a point".to_owned(), "a form of other languages", help);
+        self.replace(at, at + 2, RawKind::Dot, None);
+        true
+    }
 }
