@@ -420,7 +420,7 @@ impl Declarations<'_> {
         let habit =
             TIMER_WORDS.iter().filter(|(own, _)| own.eq_ignore_ascii_case(name)).map(|(_, other)| *other).find(has);
         let address = word_of_step5(name).filter(|_| !structure.members.is_empty());
-        let address = address.or_else(|| bit_of_block(name));
+        let address = address.or_else(|| bit_of_block(name)).or_else(|| without_number(name));
         self.report(match (address, habit.or_else(|| similar(name, names))) {
             (Some(help), _) => message.help(help),
             (None, Some(other)) => message.help(format!("is `{other}` meant?")),
@@ -457,6 +457,16 @@ fn constant_meant(name: &str) -> Option<String> {
     let is_number = name.starts_with(|first: char| first.is_ascii_digit());
     let is_hexadecimal = is_number && name.bytes().all(|digit| digit.is_ascii_hexdigit());
     is_hexadecimal.then(|| format!("a hexadecimal number begins with `16#`: write `16#{upper}`"))
+}
+
+/// What is missing after `DB10.DBW`.
+fn without_number(name: &str) -> Option<String> {
+    let upper = name.to_ascii_uppercase();
+    match upper.as_str() {
+        "DBX" => Some("write the numbers of its byte and its bit: `DBX0.0`".to_owned()),
+        "DBB" | "DBW" | "DBD" => Some(format!("write the number of its first byte: `{upper}0`")),
+        _ => None,
+    }
 }
 
 /// What `DW 2` may mean: STEP 5 counts the words of a data block.
