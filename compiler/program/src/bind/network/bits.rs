@@ -2,7 +2,8 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::CellKind;
-use plcc_syntax::network::ast::{Pin, PinValue};
+use plcc_syntax::network::ast::{Element, Pin, PinValue};
+use plcc_syntax::network::draw;
 use plcc_syntax::network::elements::Gate;
 use plcc_syntax::scl::ast::{
     Argument, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement as Tree, StatementKind as TreeKind,
@@ -218,6 +219,7 @@ impl NetworkBinder<'_, '_> {
         let operand = self.input_of(ctx, sheet, at, "operand", Elementary::Bool)?;
         let operand = sheet.keep(ctx, operand);
         let edge = self.edge(ctx, sheet, at, operand, rising)?;
+        self.own_edge_bit(sheet.element(at));
         self.output(ctx, sheet, at, "out", Value::Elementary(and(flow, edge, span)))
     }
 
@@ -244,7 +246,6 @@ impl NetworkBinder<'_, '_> {
         let span = element.span;
         let PinValue::Operand(bit) = &connected(element, "bit")?.value else { return None };
         let access = self.scl().access(ctx, bit, Intent::Both)?;
-        self.check_edge_bit(&access, bit.span);
         let before = value_of(&access, bit.span)?;
         if let Value::Elementary(own) = &before
             && own.ty != Elementary::Bool
@@ -256,6 +257,7 @@ impl NetworkBinder<'_, '_> {
             self.program.report(message.label(is).help(help));
             return None;
         }
+        self.check_edge_bit(&access, bit.span);
         let before = self.scl().convert(ctx, before, Elementary::Bool)?;
         let edge = if rising {
             and(value.clone(), inverted(before), span)
@@ -266,6 +268,22 @@ impl NetworkBinder<'_, '_> {
         let kind = self.scl().assignment(ctx, access, Value::Elementary(value))?;
         sheet.push(kind, span);
         Some(edge)
+    }
+
+    /// Warns of a contact whose edge memory bit is its operand.
+    fn own_edge_bit(&mut self, element: &Element) {
+        let text = |name: &str| match &connected(element, name)?.value {
+            PinValue::Operand(node) => Some((draw::whole(node), node.span)),
+            PinValue::Net(_) | PinValue::Open => None,
+        };
+        let (Some((signal, _)), Some((bit, span))) = (text("operand"), text("bit")) else { return };
+        if !signal.eq_ignore_ascii_case(&bit) {
+            return;
+        }
+        let message = Diagnostic::new(Code::EdgeBit, span, format!("`{bit}` is compared with itself"))
+            .label("the operand of the contact: there is never an edge")
+            .help("name another BOOL, in bit memory or in static data, that nothing else uses");
+        self.program.report(message);
     }
 
     /// An edge memory bit keeps its value from one cycle to the next.
