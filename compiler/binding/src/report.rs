@@ -14,8 +14,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use crate::{fold, similar};
 use absent::{absent_instruction, absent_system_block, catalogued_instruction};
 use meant::{
-    foreign_type, foreign_value, is_duration, misread_address, of_the_portal, register_of_stl, system_function,
-    time_without_sign,
+    foreign_type, foreign_value, is_constant, is_duration, misread_address, of_the_portal, register_of_stl,
+    system_function, time_without_sign,
 };
 
 pub use meant::{bit_without_number, hexadecimal, known_type};
@@ -155,6 +155,9 @@ impl Report {
             if is_duration(name) {
                 return message.help(format!("a time is written `T#{name}`, without quotes"));
             }
+            if quoted && is_constant(name) {
+                return message.help(format!("a constant has no quotes: write `{name}`"));
+            }
             if let Some(time) = time_without_sign(name).filter(|_| !quoted && meant.is_none()) {
                 return message.help(format!("if a time is meant, write `{time}`"));
             }
@@ -162,7 +165,9 @@ impl Report {
                 return message.help(help);
             }
             let meant = meant.filter(|_| !name.starts_with(|c: char| c.is_ascii_digit()));
-            let meant = meant.or_else(|| similar(name, ["TRUE", "FALSE"].into_iter()).map(str::to_owned));
+            // A name in quotes is one of the program.
+            let truth = || similar(name, ["TRUE", "FALSE"].into_iter()).filter(|_| !quoted);
+            let meant = meant.or_else(|| truth().map(str::to_owned));
             // `M1_2` may well be a name.
             let may_be_name = name.contains('_') && (quoted || meant.is_some());
             match (misread_address(name).filter(|_| !may_be_name), meant, hexadecimal(name)) {

@@ -47,6 +47,19 @@ pub(super) fn is_duration(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_digit()) && reads()
 }
 
+/// True of `T#5s`, `16#FF` and `TRUE`.
+pub(super) fn is_constant(name: &str) -> bool {
+    const KINDS: [&str; 16] =
+        ["T", "TIME", "S5T", "S5TIME", "LT", "LTIME", "D", "DATE", "TOD", "DT", "L", "C", "W", "2", "8", "16"];
+    match name.split_once('#') {
+        Some((kind, value)) => {
+            KINDS.iter().any(|known| known.eq_ignore_ascii_case(kind))
+                && value.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '-')
+        }
+        None => ["TRUE", "FALSE"].iter().any(|word| word.eq_ignore_ascii_case(name)),
+    }
+}
+
 /// `S5T#10S` for `S5T10S`.
 pub(super) fn time_without_sign(name: &str) -> Option<String> {
     ["S5TIME", "S5T", "TIME", "T"].into_iter().find_map(|ty| {
