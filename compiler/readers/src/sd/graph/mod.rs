@@ -137,6 +137,15 @@ impl Builder<'_, '_> {
                     );
                     carried.flow = Flow::Lost;
                 }
+                Item::Operand(span) if elements::find_sd(self.slice(span)).is_some() => {
+                    let element = self.slice(span).to_owned();
+                    self.report(
+                        Diagnostic::new(Code::Syntax, span, format!("`{element}` has no parentheses"))
+                            .label("an element")
+                            .help(format!("write `{element}( … )`, with its operand or its pins")),
+                    );
+                    carried.flow = Flow::Lost;
+                }
                 Item::Operand(span) => {
                     self.report(
                         Diagnostic::new(

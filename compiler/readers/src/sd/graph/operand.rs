@@ -4,7 +4,8 @@ use plcc_diag::{Code, Diagnostic, Span};
 
 use super::Builder;
 use plcc_syntax::network::ast::Language;
-use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Name, NameForm, UnaryOp};
+use plcc_syntax::network::elements;
+use plcc_syntax::scl::ast::{Argument, BinaryOp, Expr, ExprKind, Name, NameForm, UnaryOp};
 use plcc_syntax::scl::fragment;
 
 impl Builder<'_, '_> {
@@ -37,13 +38,20 @@ impl Builder<'_, '_> {
         Expr { kind: ExprKind::Error, span }
     }
 
-    /// The elements that do what the expression does: a comparison, contacts in series or in branches.
+    /// The elements that do what the expression does: a comparison, an operation, contacts in series or in branches.
     fn as_elements(&self, expr: &Expr) -> Option<String> {
+        if let ExprKind::Call { callee, arguments } = &expr.kind {
+            return self.call_as_element(callee, arguments);
+        }
         let ExprKind::Binary { op, left, right, .. } = &expr.kind else { return None };
         if !is_operand(left) || !is_operand(right) {
             return None;
         }
         let (left, right) = (self.slice(left.span), self.slice(right.span));
+        let operation = |element: &str| {
+            let written = format!("`{element}( in1 := {left}, in2 := {right}, out => … )`");
+            Some(format!("write {written} before this element, and its result here"))
+        };
         let (contact, gate) = match op {
             BinaryOp::Equal => ("EQ_Contact", "Eq"),
             BinaryOp::NotEqual => ("NE_Contact", "Ne"),
@@ -61,10 +69,30 @@ impl Builder<'_, '_> {
                     "write two branches that end in the same wire: one for `{left}`, one for `{right}`"
                 ));
             }
-            _ => return None,
+            BinaryOp::Add => return operation("Add"),
+            BinaryOp::Subtract => return operation("Sub"),
+            BinaryOp::Multiply => return operation("Mul"),
+            BinaryOp::Divide | BinaryOp::DivideInteger => return operation("Div"),
+            BinaryOp::Modulo => return operation("Mod"),
+            BinaryOp::And | BinaryOp::Or | BinaryOp::Xor | BinaryOp::Power => return None,
         };
         let element = if self.language == Language::Lad { contact } else { gate };
         Some(format!("a comparison is an element of its own: write `{element}( in1 := {left}, in2 := {right} )`"))
+    }
+
+    /// `#list(0)`, which is an element of an array, and `ABS(#x)`.
+    fn call_as_element(&self, callee: &Expr, arguments: &[Argument]) -> Option<String> {
+        let name = self.slice(callee.span);
+        if name.starts_with(['#', '"']) {
+            let indices: Vec<&str> = arguments.iter().map(|argument| self.slice(argument.span)).collect();
+            return Some(format!("an element of an array is `{name}[{}]`", indices.join(", ")));
+        }
+        let element = match elements::find_sd(name) {
+            Some(_) => name,
+            None if name.to_ascii_uppercase().contains("_TO_") => "Convert",
+            None => return None,
+        };
+        Some(format!("write `{element}( … )` before this element, and its result here"))
     }
 
     /// A label; it may have the name of a keyword.

@@ -5,7 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use super::{Builder, nets};
 use crate::sd::tree::{Argument, Pin as Given, Value, ValueKind};
 use plcc_syntax::distance;
-use plcc_syntax::network::ast::{Comparison, Pin, PinValue, Source, Storage};
+use plcc_syntax::network::ast::{Comparison, Language, Pin, PinValue, Source, Storage};
 use plcc_syntax::network::elements::{Kind, PinDirection, PinRow, Row};
 use plcc_syntax::scl::ast::Expr;
 
@@ -319,10 +319,26 @@ impl Builder<'_, '_> {
     }
 
     fn report_surplus(&mut self, row: &Row, span: Span) {
+        // `%I0,1`: that `%I0` is no address is reported.
+        let ends_before = |told: &&Diagnostic| told.primary.span.end + 1 == span.start;
+        let told = self.diagnostics.last().filter(|told| told.code == Code::AddressRange).filter(ends_before);
+        if let Some(address) = told.map(|told| told.primary.span) {
+            let help = format!("write `{}.{}`", self.slice(address), self.slice(span));
+            if let Some(message) = self.diagnostics.last_mut() {
+                message.help = Some(help);
+            }
+            return;
+        }
+        let help = match (row.kind, self.language) {
+            (Kind::Not, Language::Lad) => {
+                format!("write `I_Contact( {} )`, which is closed while its operand is 0", self.slice(span))
+            }
+            _ => "remove it, or write the pin's name before it: `pin := operand`".to_owned(),
+        };
         self.report(
             Diagnostic::new(Code::UnknownParameter, span, format!("`{}` has no further operand", row.name))
                 .label("belongs to no pin")
-                .help("remove it, or write the pin's name before it: `pin := operand`"),
+                .help(help),
         );
     }
 
