@@ -32,7 +32,7 @@ use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::symbols::SymbolTable;
 use rustc_hash::FxHashSet;
 
-use consequences::{forget_absent, forget_doubtful, forget_lost};
+use consequences::{forget_absent, forget_doubtful, forget_lost, forget_not_connected};
 use cpu::{order_of, pragma_profile, profile_of};
 
 use crate::axes;
@@ -316,6 +316,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     diagnostics.retain(|message| message.code != Code::SymbolTable || !shown.contains(&message.primary.span));
     forget_doubtful(&mut diagnostics);
     forget_absent(&mut diagnostics);
+    forget_not_connected(&mut diagnostics);
     forget_lost(&mut diagnostics, &sources);
     plcc_diag::sort(&mut diagnostics);
     // Two stages may find the same fault; report it once.

@@ -13,7 +13,7 @@ mod bind;
 mod modules;
 
 pub use bind::{
-    bind, block_of_file, complete, implied_profile, instruction_pins, is_about_drafts, is_s7200, library_interface,
-    runs, system_members, tables, with_chart_data,
+    NOT_CONNECTED, bind, block_of_file, complete, implied_profile, instruction_pins, is_about_drafts, is_s7200,
+    library_interface, runs, system_members, tables, with_chart_data,
 };
 pub use modules::check_modules;

@@ -8,6 +8,16 @@ use crate::inputs::NOT_THERE;
 /// How many missing names are looked for in files that could not be read.
 const LOOKED_FOR_MAX: usize = 500;
 
+/// Removes messages about elements of networks that could not be bound if an error says why, as one in a declaration does.
+pub(super) fn forget_not_connected(diagnostics: &mut Vec<Diagnostic>) {
+    let follows = |message: &Diagnostic| {
+        message.code == Code::MissingOperand && message.title.ends_with(plcc_program::NOT_CONNECTED)
+    };
+    if diagnostics.iter().any(|message| message.is_error() && !follows(message)) {
+        diagnostics.retain(|message| !follows(message));
+    }
+}
+
 /// Removes messages about names that a file may define which does not exist under the name that the user gave it.
 pub(super) fn forget_absent(diagnostics: &mut Vec<Diagnostic>) {
     let is_absent = |message: &Diagnostic| {

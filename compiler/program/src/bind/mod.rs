@@ -33,7 +33,7 @@ mod tests;
 
 pub use declarations::predefined::system_members;
 pub use globals::pins::instruction_pins;
-pub use network::is_about_drafts;
+pub use network::{NOT_CONNECTED, is_about_drafts};
 pub use partial::complete;
 pub use program::{bind, library_interface};
 pub use trees::chart_data::expanded as with_chart_data;

@@ -287,7 +287,7 @@ impl NetworkBinder<'_, '_> {
     fn not_bound(&mut self, span: Span) {
         let text = self.program.globals.text(span);
         self.program.report(
-            Diagnostic::new(Code::MissingOperand, span, format!("`{text}` is not connected as it must be"))
+            Diagnostic::new(Code::MissingOperand, span, format!("`{text}` {NOT_CONNECTED}"))
                 .label("a pin has no operand and no wire")
                 .help("connect all its inputs"),
         );
@@ -377,6 +377,9 @@ fn is_about_names(code: Code) -> bool {
             | Code::NotShipped
     )
 }
+
+/// How the title ends of the message about an element that could not be bound, if nothing else is wrong in the program.
+pub const NOT_CONNECTED: &str = "is not connected as it must be";
 
 /// True of a message about something that has not been drawn yet.
 pub const fn is_about_drafts(code: Code) -> bool {
