@@ -40,7 +40,7 @@ use super::scl::temporary;
 use super::scl::{Rules, Scope};
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::scl::{SclBinder, SclBlock, marks_locals};
 use crate::bind::stl::StlBinder;
 use crate::bind::trees::cpu::needs_registers;
 use crate::bind::trees::mentions;
@@ -104,6 +104,7 @@ impl NetworkBinder<'_, '_> {
         let ctx = &mut SclBlock { block: current, scope };
         // Boxes report their errors through ENO.
         ctx.scope.sets_flag = true;
+        ctx.scope.marks_locals = marks_locals(&block.code);
         ctx.scope.untyped = Some(FxHashSet::default());
         ctx.scope.lists = vec![TOP];
         self.collect_network_labels(ctx, &networks.networks);

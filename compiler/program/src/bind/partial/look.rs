@@ -203,6 +203,7 @@ impl<'a> Look<'_, 'a> {
             // `"Link".client` is not of a local BOOL `link`, but of a data block that is missing.
             NameForm::Quoted
                 if local
+                    && !ctx.scope.marks_locals
                     && self.program.globals.global(text).is_none()
                     && !self.is_missing(text)
                     && !(has_steps && has_value_alone()) =>

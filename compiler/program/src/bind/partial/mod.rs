@@ -29,7 +29,7 @@ use plcc_binding::stand_ins::{Completed, Missing, Parts, Told, Whole, errors, fi
 use super::declarations::typed::BoundInterface;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::scl::{SclBlock, Scope};
+use crate::bind::scl::{SclBlock, Scope, marks_locals};
 use crate::bind::trees::blocks;
 use evidence::{Evidence, Guess};
 use look::Look;
@@ -253,6 +253,7 @@ impl Look<'_, '_> {
         block.fragment = blocks::is_fragment(code);
         let mut ctx =
             SclBlock { block: &mut block, scope: Scope::new(self.program.globals.input, &code.header, dialect) };
+        ctx.scope.marks_locals = marks_locals(&code.code);
         self.code(&mut ctx, &code.code);
     }
 }

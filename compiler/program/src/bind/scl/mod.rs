@@ -116,7 +116,7 @@ impl SclBinder<'_, '_> {
     pub fn bind_block(&mut self, current: &mut CurrentBlock, block: &ast::CodeBlock, body: &Tree) -> SclBody {
         let scope = Scope::new(self.program.globals.input, &block.header, body.dialect);
         let ctx = &mut SclBlock { block: current, scope };
-        ctx.scope.marks_locals = body.dialect == Dialect::Tia && marks_locals(&block.code);
+        ctx.scope.marks_locals = marks_locals(&block.code);
         self.collect_labels(ctx, &body.statements);
         let statements = self.statements(ctx, &body.statements);
         let is_empty = body.statements.iter().all(|statement| matches!(statement.kind, StatementKind::Empty));
@@ -134,8 +134,16 @@ impl SclBinder<'_, '_> {
     }
 }
 
-/// Whether any name in the code is written with `#`.
-fn marks_locals(code: &ast::Code) -> bool {
+/// Whether a block of the TIA Portal writes its locals with `#`, so that a name in quotes is a global one. None of charts does.
+pub fn marks_locals(code: &ast::Code) -> bool {
+    let is_tia = match code {
+        ast::Code::Scl(body) => body.dialect == Dialect::Tia,
+        ast::Code::Graphic(_) => true,
+        ast::Code::Stl(_) | ast::Code::Chart(_) => false,
+    };
+    if !is_tia {
+        return false;
+    }
     let mut found = false;
     crate::bind::trees::mentions::expressions(code, &mut |value| {
         found |= matches!(&value.kind, ExprKind::Name(name) if name.form == NameForm::Local);
