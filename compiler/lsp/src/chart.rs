@@ -163,6 +163,17 @@ pub fn is_qualifier(entry: Entry, range: &Range<usize>) -> bool {
     marks.any(|mark| mark.start <= range.start && range.end <= mark.end)
 }
 
+/// Whether a piece is a step that a transition comes from or leads to: after FROM, or in `TO (A, B)`.
+pub fn is_end(words: &Words, at: usize) -> bool {
+    let is_keyword = |at: usize| ["FROM", "TO"].iter().any(|word| word.eq_ignore_ascii_case(words.word(at)));
+    let mut at = at;
+    while at >= 2 && words.word(at - 1) == "," {
+        at -= 2;
+    }
+    let list = at >= 2 && words.word(at - 1) == "(" && is_keyword(at - 2);
+    list || at >= 1 && is_keyword(at - 1)
+}
+
 /// The first with a name; if there is none, with its number.
 fn find<'c>(parts: &[Part<'c>], name: &str) -> Option<Part<'c>> {
     let named = parts.iter().find(|part| same(part.name(), name));

@@ -14,7 +14,7 @@ use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
 use plcc_syntax::symbols::{Symbol, SymbolTarget};
 use plcc_syntax::{Elementary, Language, s7200};
 
-use crate::chart::Component;
+use crate::chart::{self, Component, Part};
 use crate::constants::{self, Constant};
 use crate::facts::{FunctionFacts, ParameterFacts};
 use crate::index::{Declared, Entry, Index};
@@ -136,9 +136,34 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
                 item(row.name, CompletionItemKind::OPERATOR, &names.join(", "))
             }));
         }
+        Language::Graph if chart::is_end(words, first) => items.extend(steps(entry, true)),
+        Language::Graph if begins_operand(before) => {
+            items.extend(locals(index, entry));
+            items.extend(steps(entry, false));
+            items.extend(marked_globals(index, Wanted::Operand));
+        }
         Language::Sd | Language::Graph => {}
     }
     items
+}
+
+/// Whether an operand of a condition can follow a word.
+fn begins_operand(before: &str) -> bool {
+    const WORDS: [&str; 4] = ["AND", "NOT", "OR", "XOR"];
+    matches!(before, ":=" | "(" | "&" | "=" | "<>" | "<" | ">" | "<=" | ">=" | "+" | "-" | "*" | "/")
+        || WORDS.iter().any(|word| word.eq_ignore_ascii_case(before))
+}
+
+/// The steps of a chart, and its transitions, which have components that conditions read.
+fn steps(entry: Option<Entry>, alone: bool) -> impl Iterator<Item = CompletionItem> {
+    let parts = entry.into_iter().flat_map(chart::of);
+    parts.filter(move |part| !alone || matches!(part, Part::Step(_))).map(|part| {
+        let comment = Some(part.comment()).filter(|comment| !comment.is_empty());
+        CompletionItem {
+            documentation: comment.map(lsp_types::Documentation::String),
+            ..item(part.name(), CompletionItemKind::REFERENCE, &part.kind())
+        }
+    })
 }
 
 /// Types that are not elementary ones.

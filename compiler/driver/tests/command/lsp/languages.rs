@@ -98,6 +98,12 @@ fn steps_and_blocks_of_the_library_are_known() {
     assert_eq!(labels(&found)[..4], ["X", "T", "U", "S1"]);
     let found = editor.at("textDocument/completion", "door.gr7", "NOT Ask.|TT");
     assert_eq!(labels(&found), ["TV", "TT", "TS", "TNO"]);
+    let found = editor.at("textDocument/completion", "door.gr7", "TO |Opening");
+    assert_eq!(labels(&found), ["Closed", "Opening"]);
+    let found = editor.at("textDocument/completion", "door.gr7", "S002.X AND |NOT");
+    for name in ["Request", "Opening", "Ask"] {
+        assert!(labels(&found).contains(&name), "{name} is not in {found}");
+    }
     let found = editor.at("textDocument/definition", "door.gr7", "TO Open|ing");
     assert_eq!(editor.covered(&json!([found])), ["door.gr7:10 Opening"]);
     let found = editor.at("textDocument/references", "door.gr7", "STEP Open|ing");
