@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use plcc_abi::image::BlockKind;
 use plcc_model::types::{DataType, Elementary, Member};
-use plcc_model::{BlockKey, DataBlock, Program};
+use plcc_model::{BlockKey, DataBlock, Direction, Program};
 
 use crate::sheet::Label;
 
@@ -20,8 +20,19 @@ pub struct Names {
     blocks: HashMap<BlockKey, String>,
     /// Variables of the instances and the local data of FBs.
     locals: HashMap<BlockKey, Vec<Member>>,
+    /// Parameters of FCs and FBs by the names of the blocks in quotes, and by numbers such as `fb7`, in lower case.
+    parameters: HashMap<String, Vec<Formal>>,
     /// Addresses of symbols that are floating-point numbers.
     floats: HashSet<String>,
+}
+
+/// A pin that a box can have.
+#[derive(Clone, Debug)]
+pub struct Formal {
+    pub name: String,
+    pub output: bool,
+    /// Whether the box shows it if nothing is connected to it.
+    pub always: bool,
 }
 
 /// A data block.
@@ -60,6 +71,16 @@ impl Names {
         for block in &program.blocks {
             let variables = block.interface.instance.iter().chain(&block.interface.temporaries);
             names.locals.insert(block.key(), variables.cloned().collect());
+            if matches!(block.key().kind, BlockKind::Fb | BlockKind::Fc) {
+                let formals = block.interface.parameters.iter().map(|parameter| Formal {
+                    name: parameter.name.clone(),
+                    output: parameter.direction == Direction::Output,
+                    always: true,
+                });
+                let formals: Vec<Formal> = formals.collect();
+                names.parameters.insert(format!("\"{}\"", block.name.to_lowercase()), formals.clone());
+                names.parameters.insert(block.key().to_string().replace(' ', "").to_lowercase(), formals);
+            }
         }
         names
     }
@@ -79,6 +100,12 @@ impl Names {
             Some(name) => format!("\"{name}\""),
             None => block.to_string(),
         })
+    }
+
+    /// The parameters of an FC or FB as its box names it: `"Motor"`, `FB 7`.
+    pub fn parameters(&self, block: &str) -> Option<&[Formal]> {
+        let own = if block.starts_with('"') { block.to_lowercase() } else { block.replace(' ', "").to_lowercase() };
+        self.parameters.get(&own).map(Vec::as_slice)
     }
 
     /// The symbols and their addresses, in order of the addresses.

@@ -97,6 +97,23 @@ fn no_page_is_written_of_what_could_not_be_read() {
     }
 }
 
+/// In the order of the declaration, whatever the call gives them.
+#[test]
+fn a_box_of_a_call_has_all_parameters() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK \"Lamp\"\nVAR_INPUT\n  on : BOOL;\n  test : BOOL;\nEND_VAR\nVAR_OUTPUT\n  lit : BOOL;\n  \
+                  broken : BOOL;\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"One\"\n\"Lamp\"\nBEGIN\nEND_DATA_BLOCK\n\
+                  FUNCTION FC 5 : VOID\nBEGIN\nNETWORK\nCALL \"Lamp\", \"One\" (lit := M 0.1, on := M 0.0);\nEND_FUNCTION\n";
+    fs::write(folder.join("lamps.stl"), source).expect("the folder can be written");
+    let arguments = ["view", "lamps.stl", "--cpu", "s7-1500", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let picture = fs::read_to_string(folder.join("drawings/FC_5_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let places = [">on<", ">lit<", ">test<", ">broken<"].map(|name| picture.find(name));
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{picture}");
+}
+
 /// In the box as if the instance were a data block.
 #[test]
 fn a_call_of_an_instance_in_the_block_shows_the_block() {

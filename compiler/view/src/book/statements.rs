@@ -24,6 +24,7 @@ impl Maker<'_> {
         };
         let rungs = sheet::stl::sheet(&network.statements, &label, &is_output).map(|mut rungs| {
             rungs.name_instances(self.names, scope);
+            rungs.complete_calls(self.names);
             rungs
         });
         let drawn = match picture {

@@ -4,11 +4,11 @@ use plcc_syntax::network::ast::{
     Content, Element, Graph, Language, Network, PinValue, Source as GraphSource, Storage, Target, TemplateKey,
 };
 use plcc_syntax::network::draw;
-use plcc_syntax::network::elements::{Gate, Kind, PinDirection, Row};
+use plcc_syntax::network::elements::{Gate, Kind, PinDirection, PinRow, Row};
 use plcc_syntax::scl::ast::Expr;
 
 use super::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
-use crate::names::{Names, Scope};
+use crate::names::{Formal, Names, Scope};
 
 /// The sheet of a network.
 pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> Sheet {
@@ -63,6 +63,7 @@ fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, la
         sheet.negations_at_pins();
     }
     sheet.name_instances(names, scope);
+    sheet.complete_calls(names);
     sheet
 }
 
@@ -287,27 +288,51 @@ impl Sheet {
 
     /// The box of a timer or counter of the S7-300/400 has all of its pins, in the order of the table.
     fn complete_cell(&mut self, at: usize, row: &Row) {
-        let part = &mut self.parts[at];
         let left_out: &[&str] = match row.kind {
-            Kind::S5Timer(_) if matches!(part.look, Look::Box { .. }) => &["timer", "out"],
+            Kind::S5Timer(_) if matches!(self.parts[at].look, Look::Box { .. }) => &["timer", "out"],
             Kind::S5Counter("S_CU") => &["counter", "cd"],
             Kind::S5Counter("S_CD") => &["counter", "cu"],
             Kind::S5Counter(_) => &["counter"],
             _ => return,
         };
+        let formal = |known: PinRow| Formal {
+            name: known.name().to_uppercase(),
+            output: known.direction == PinDirection::Output,
+            always: !left_out.contains(&known.name()),
+        };
+        self.arrange(at, &row.pins().map(formal).collect::<Vec<Formal>>());
+        let part = &mut self.parts[at];
+        let open = part.pins.iter().position(|pin| pin.output && row.flow.1.eq_ignore_ascii_case(&pin.name));
+        part.flow_out = part.flow_out.or(open);
+    }
+
+    /// The box of a call has all parameters of its block, in their order.
+    pub fn complete_calls(&mut self, names: &Names) {
+        for at in 0..self.parts.len() {
+            if let Look::Box { title, .. } = &self.parts[at].look
+                && let Some(formals) = names.parameters(title)
+            {
+                self.arrange(at, formals);
+            }
+        }
+    }
+
+    /// Puts the pins of a box into an order, with those that nothing is connected to.
+    fn arrange(&mut self, at: usize, formals: &[Formal]) {
+        let part = &mut self.parts[at];
         let mut old: Vec<Option<Pin>> = std::mem::take(&mut part.pins).into_iter().map(Some).collect();
         let mut moved = vec![0; old.len()];
         let mut pins: Vec<Pin> = Vec::new();
-        for known in row.pins() {
+        for formal in formals {
             let before = pins.len();
             for (own, to) in old.iter_mut().zip(&mut moved) {
-                if own.as_ref().is_some_and(|own| known.matches(&own.name).is_some()) {
+                if own.as_ref().is_some_and(|own| own.name.eq_ignore_ascii_case(&formal.name)) {
                     *to = pins.len();
                     pins.extend(own.take());
                 }
             }
-            if pins.len() == before && !left_out.contains(&known.name()) {
-                let (name, output) = (known.name().to_uppercase(), known.direction == PinDirection::Output);
+            if pins.len() == before && formal.always {
+                let (name, output) = (formal.name.clone(), formal.output);
                 pins.push(Pin { name, place: Place::Side, output, link: Link::Open, negated: false });
             }
         }
@@ -316,8 +341,7 @@ impl Sheet {
             pins.extend(own.take());
         }
         part.flow_in = part.flow_in.map(|pin| moved[pin]);
-        let open = pins.iter().position(|pin| pin.output && row.flow.1.eq_ignore_ascii_case(&pin.name));
-        part.flow_out = part.flow_out.map(|pin| moved[pin]).or(open);
+        part.flow_out = part.flow_out.map(|pin| moved[pin]);
         part.pins = pins;
         for source in self.nets.iter_mut().flat_map(|net| &mut net.sources) {
             if let Source::Pin { part, pin } = source
