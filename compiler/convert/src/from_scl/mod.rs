@@ -282,26 +282,16 @@ impl<'a> Maker<'a> {
     /// Variables that hold for the whole block, and what they start with.
     fn begin(&mut self) {
         let uses = Uses::of(self.block, self.body);
+        self.copy_inputs(&uses);
         let is_fc = matches!(self.block.kind, BlockKind::Fc | BlockKind::Sfc);
-        for (index, parameter) in self.block.interface.parameters.iter().enumerate().filter(|_| is_fc) {
-            let (DataType::Elementary(ty), Passing::Elementary(_)) = (&parameter.ty, parameter.passing) else {
-                continue;
-            };
-            match parameter.direction {
-                Direction::Input
-                    if uses.copies_inputs && uses.read.contains(&index)
-                        || uses.parts.contains(&index) && !self.has_parts() =>
-                {
-                    let copy = self.kept(*ty, &parameter.name);
-                    let own = self.parameter(index);
-                    self.load_and_store(*ty, own, copy.clone());
-                    self.copies.insert(index, copy);
-                }
-                Direction::Output if parameter.name == "RET_VAL" && !uses.sets_result_last => {
-                    self.result = Some(self.kept(*ty, "result"));
-                }
-                Direction::Input | Direction::Output | Direction::InOut => {}
-            }
+        let is_result = |formal: &&model::Parameter| {
+            formal.direction == Direction::Output
+                && formal.name == "RET_VAL"
+                && matches!(formal.passing, Passing::Elementary(_))
+        };
+        let result = self.block.interface.parameters.iter().find(is_result);
+        if let Some(DataType::Elementary(ty)) = result.filter(|_| is_fc && !uses.sets_result_last).map(|one| &one.ty) {
+            self.result = Some(self.kept(*ty, "result"));
         }
         self.begin_texts();
         if uses.flag {
@@ -315,6 +305,24 @@ impl<'a> Maker<'a> {
             self.push(StlInsn::SetRlo, None);
             self.push(StlInsn::Assign, Some(eno.clone()));
             self.last_eno = Some(eno);
+        }
+    }
+
+    /// Lets a function copy those elementary inputs that may change while it runs.
+    fn copy_inputs(&mut self, uses: &Uses) {
+        let is_fc = matches!(self.block.kind, BlockKind::Fc | BlockKind::Sfc);
+        for (index, parameter) in self.block.interface.parameters.iter().enumerate().filter(|_| is_fc) {
+            let (DataType::Elementary(ty), Passing::Elementary(_)) = (&parameter.ty, parameter.passing) else {
+                continue;
+            };
+            let changes = uses.copies_inputs && uses.read.contains(&index);
+            let has_parts = uses.parts.contains(&index) && !self.has_parts();
+            if parameter.direction == Direction::Input && (changes || has_parts) {
+                let copy = self.kept(*ty, &parameter.name);
+                let own = self.parameter(index);
+                self.load_and_store(*ty, own, copy.clone());
+                self.copies.insert(index, copy);
+            }
         }
     }
 

@@ -1,13 +1,15 @@
 //! Networks in SCL among those of LAD and FBD: each becomes a network in STL, which stays among the others.
 
-use plcc_abi::image::Family;
+use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::Span;
 use plcc_model::scl::{Statement, StatementKind, walk};
-use plcc_syntax::ast::Code;
+use plcc_model::types::Elementary;
+use plcc_syntax::ast::{self, Code, Operand, OperandKind, StatusOperand};
 use plcc_syntax::network::ast::{Body, Content};
 use plcc_syntax::scl::ast as syntax;
+use plcc_syntax::stl::StlInsn;
 
-use super::{Maker, Seen};
+use super::{Maker, Seen, Uses};
 
 /// Whether the code of a block is a chart or has statements of SCL, whose meaning only the bound program tells.
 pub fn has_statements(code: &Code) -> bool {
@@ -49,6 +51,9 @@ impl Maker<'_> {
             }
         }
         let typed = self.body;
+        // To those of an S7-1500, copies are added with the statements of all networks.
+        let mut has_copies = !self.is_classic_cpu() || typed.inputs_in_place;
+        let mut br = None;
         for network in &mut made.networks {
             let Content::Scl(list) = &network.content else { continue };
             if does_nothing(list) {
@@ -56,6 +61,11 @@ impl Maker<'_> {
             }
             let statements = bound(list, &typed.statements);
             self.refused = false;
+            self.span = network.span;
+            if !std::mem::replace(&mut has_copies, true) {
+                let uses = Uses::of(self.block, typed);
+                self.copy_inputs(&uses);
+            }
             // Another network has others at the same places.
             self.hidden.clear();
             self.check_network(statements, network.span);
@@ -65,10 +75,35 @@ impl Maker<'_> {
                     self.statement(statement);
                 }
                 self.close_labels();
+                self.keep_br(&mut br);
             }
             network.content = Content::Stl(std::mem::take(&mut self.statements));
         }
         made
+    }
+
+    fn is_classic_cpu(&self) -> bool {
+        matches!(self.program.profile.family, Family::S7300 | Family::S7400)
+    }
+
+    /// On an S7-300, BR is ENO of the block, which a call in SCL leaves as it is: the statements of a network with calls restore it.
+    fn keep_br(&mut self, kept: &mut Option<Operand>) {
+        let calls = self.statements.iter().any(|statement| matches!(statement.kind, ast::StatementKind::Call(_)));
+        if !calls || !self.is_classic_cpu() || self.block.kind == BlockKind::Ob {
+            return;
+        }
+        let mut own = std::mem::take(&mut self.statements);
+        let after = self.span;
+        self.span = own.first().map_or(after, |first| first.span);
+        let bit = kept.get_or_insert_with(|| self.kept(Elementary::Bool, "br")).clone();
+        let br = Operand { kind: OperandKind::Status(StatusOperand::Br), span: self.span };
+        self.push(StlInsn::And, Some(br));
+        self.push(StlInsn::Assign, Some(bit.clone()));
+        self.statements.append(&mut own);
+        self.span = after;
+        self.push(StlInsn::And, Some(bit));
+        self.push(StlInsn::Save, None);
+        self.push(StlInsn::ClearRlo, None);
     }
 
     /// What a network in STL cannot do for the others.
@@ -88,11 +123,7 @@ impl Maker<'_> {
         let mut seen = Seen::default();
         walk::statements(statements, &mut seen);
         if seen.flag || seen.last_eno {
-            return self.refuse(span, "ENO in a network in SCL", "set ENO of the block with RET in LAD");
-        }
-        if seen.calls && matches!(self.program.profile.family, Family::S7300 | Family::S7400) {
-            // There BR is ENO of the block, which a call in SCL leaves as it is.
-            self.refuse(span, "a call in a network in SCL on this CPU", "write the call in LAD");
+            self.refuse(span, "ENO in a network in SCL", "set ENO of the block with RET in LAD");
         }
     }
 }

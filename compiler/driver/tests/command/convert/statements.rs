@@ -166,6 +166,53 @@ fn scl_of_the_portal_without_a_cpu_becomes_stl_of_an_s7_1500() {
     assert!(text(&made.stdout).starts_with("ORGANIZATION_BLOCK"), "{}{}", text(&made.stdout), text(&made.stderr));
 }
 
+/// On an S7-300, BR is ENO of a block in LAD, which calls in SCL leave as it is; inputs of a function in SCL are copies.
+#[test]
+fn networks_in_scl_call_blocks_on_an_s7_300() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = r#"//@ cpu s7-300
+FUNCTION Inner : Void
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail  Contact( %M0.0 )  Coil( %M0.1 )  END_RUNG
+END_NETWORK
+END_FUNCTION
+
+FUNCTION Outer : Void
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail  Contact( %M0.2 )  Coil( %M0.3 )  END_RUNG
+END_NETWORK
+{ S7_Language := "SCL" }
+NETWORK
+    "Inner"();
+END_NETWORK
+END_FUNCTION
+
+ORGANIZATION_BLOCK Main
+{ S7_Language := "LAD" }
+NETWORK
+    RUNG wire#powerrail  "Outer"()  END_RUNG
+END_NETWORK
+END_ORGANIZATION_BLOCK
+"#;
+    fs::write(folder.join("a.s7dcl"), source).expect("the folder can be written");
+    let made = plcc(folder, &["convert", "a.s7dcl", "--to", "stl", "-o", "a.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let list = fs::read_to_string(folder.join("a.stl")).expect("it was written");
+    let places = ["=     #br_1;", "CALL  \"Inner\"", "A     #br_1;", "SAVE;\n      CLR;"].map(|line| list.find(line));
+    assert!(places.is_sorted() && places[0].is_some(), "{list}");
+    let checked = plcc(folder, &["check", "a.stl"]);
+    assert_eq!(checked.status.code(), Some(0), "{}", text(&checked.stderr));
+    let networks = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/run/lad-fbd/parameters_of_scl_s7_300.s7dcl");
+    let made = plcc(folder, &["convert", &networks.display().to_string(), "--to", "stl", "-o", "b.stl"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let tested = plcc(folder, &["test", "b.stl"]);
+    let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
+    assert!(found.contains("2 passed, 0 failed"), "{found}");
+}
+
 /// Networks of a project for an S7-1200 are statements for an S7-1500, and its settings name one, too.
 #[test]
 fn networks_for_a_cpu_without_stl_are_for_another() {
