@@ -79,9 +79,12 @@ impl Recovery {
             let code = if declares { Code::DeclarationSyntax } else { Code::Syntax };
             Some(Diagnostic::new(code, state.span(from..to), title).label(label).help(help))
         };
-        if self == Recovery::Declaration
-            && let Some((title, help)) = types_meant::of(state.text, before, at)
-        {
+        let meant = match self {
+            Recovery::Declaration => types_meant::of(state.text, before, at),
+            Recovery::CaseValue => types_meant::range_of_case(state.text, before, at),
+            _ => None,
+        };
+        if let Some((title, help)) = meant {
             return told(at.0, at.2, title.to_owned(), "a form of other languages", help);
         }
         match (self, &before.1, &at.1) {

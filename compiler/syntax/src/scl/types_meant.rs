@@ -1,4 +1,4 @@
-//! Types as other languages write them: `ARRAY[0 TO 4] OF INT`, `INT(0..100)`.
+//! Types and ranges as other languages write them: `ARRAY[0 TO 4] OF INT`, `INT(0..100)`, `1 TO 5:` in CASE.
 
 use super::token::{Spanned, Tok};
 use crate::elementary::Elementary;
@@ -28,4 +28,14 @@ pub fn of(text: &str, before: &Spanned, at: &Spanned) -> Option<(&'static str, S
         }
         _ => None,
     }
+}
+
+/// Title and help for `TO` in a value of CASE.
+pub fn range_of_case(text: &str, before: &Spanned, at: &Spanned) -> Option<(&'static str, String)> {
+    let is_to = text.get(at.0..at.2)?.eq_ignore_ascii_case("TO");
+    let low = text.get(..before.2)?.rsplit(['\n', ',', ';', ':']).next().unwrap_or_default().trim();
+    let high = text.get(at.2..)?.split([':', ',', '\n']).next().unwrap_or_default().trim();
+    let is_number = |bound: &str| bound.parse::<i64>().is_ok();
+    (is_to && is_number(low) && is_number(high))
+        .then(|| ("the values of a range are separated by two dots", format!("write `{low}..{high}`")))
 }

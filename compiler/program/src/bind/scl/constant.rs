@@ -24,12 +24,21 @@ impl SclBinder<'_, '_> {
             Literal::DateAndTime(bytes) => Constant::DateAndTime(*bytes),
             Literal::Dtl(bytes) => Constant::Dtl(*bytes),
             Literal::Pointer { .. } | Literal::Any(_) | Literal::Nil => {
+                // `P#DB1.DBX0.0`
+                let text = self.program.globals.text(span);
+                let place = text.get(2..).filter(|place| place.starts_with(|first: char| first.is_ascii_alphabetic()));
+                let help = match place {
+                    Some(place) if !place.contains(' ') && place.contains('.') => {
+                        format!("the bit at this address is `%{place}`")
+                    }
+                    _ => String::new(),
+                };
                 self.refuse(
                     Code::OperandKind,
                     span,
                     "a pointer can only be passed to a parameter",
                     "possible for a parameter of type POINTER or ANY",
-                    "",
+                    &help,
                 );
                 return None;
             }

@@ -318,6 +318,9 @@ impl<'a> Classifier<'a, '_> {
                     (None, None) if let Some(area) = area_of_number(bare) => message
                         .label("a bit has a number after a point")
                         .help(format!("write `{text}.0` for a bit, or `%{area}B{}` for the byte", &bare[area.len()..])),
+                    (None, None) if let Some(byte) = byte_of_bit(bare) => message
+                        .label("a bit has a number after a point")
+                        .help(format!("write `{text}.0` for a bit, or `%{byte}` for the byte")),
                     (None, None) => message
                         .label("no area has this address")
                         .help("write e.g. `%MW10`, `%I0.7`, `%DB1.DBX2.0`; bits go from 0 to 7"),
@@ -387,6 +390,14 @@ fn area_of_number(text: &str) -> Option<&str> {
     let (area, number) = text.split_at_checked(1)?;
     let is_number = !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
     (is_number && "IQMEAiqmea".contains(area)).then_some(area)
+}
+
+/// `DB1.DBB0` for `DB1.DBX0`, the address of a bit without its number.
+fn byte_of_bit(text: &str) -> Option<String> {
+    let (block, place) = text.split_once('.')?;
+    let (letters, number) = place.split_at_checked(3)?;
+    let is_number = !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
+    (letters.eq_ignore_ascii_case("DBX") && is_number).then(|| format!("{block}.DBB{number}"))
 }
 
 /// `%MW10.3`, whose bit has two addresses.

@@ -1,8 +1,10 @@
 //! Statements and addresses of other languages: blocks of Pascal, methods, LOOP, operators in two words, addresses of other controllers.
 
+use plcc_diag::Span;
+
 use super::{Open, Repair, begins_operand, closer, ends_operand};
 use crate::Elementary;
-use crate::ast::Width;
+use crate::ast::{OperandKind, Width};
 use crate::front::foreign_address;
 use crate::scl::address;
 use crate::scl::keyword::Keyword;
@@ -200,8 +202,24 @@ impl Repair<'_> {
         }
         let variable = self.words(first, at - 1).to_owned();
         let bit = self.slice(bit);
-        let title = "a bit of a variable has `%X` before its number".to_owned();
-        self.report(first, at + 2, title, "neither a component nor a bit", format!("write `{variable}.%X{bit}`"));
+        let name = variable.trim_start_matches('#');
+        let address = format!("%{name}.{bit}");
+        let found = address::token(&address, Span::default());
+        let is_address = !self.is_declared(name) && matches!(found, Some(OperandKind::Absolute { .. }));
+        let (title, label, help) = match self.is_array(name) {
+            _ if is_address => ("an address has no `#`", "not a variable of the block", format!("write `{address}`")),
+            true => (
+                "the index of an array is written in brackets",
+                "a form of other languages",
+                format!("write `{variable}[{bit}]`"),
+            ),
+            false => (
+                "a bit of a variable has `%X` before its number",
+                "neither a component nor a bit",
+                format!("write `{variable}.%X{bit}`"),
+            ),
+        };
+        self.report(first, at + 2, title.to_owned(), label, help);
         self.replace(first, at + 2, RawKind::Reported, None);
         true
     }
@@ -402,6 +420,13 @@ impl Repair<'_> {
         let at = *self.declared.get(&name.to_uppercase())?;
         let ty = self.slice(self.token(at + 2).filter(|_| self.kind(at + 1) == Some(RawKind::Colon))?);
         Elementary::from_word(&ty.to_ascii_uppercase()).map(|_| ty)
+    }
+
+    /// Whether the last declaration of the name is that of an array.
+    fn is_array(&self, name: &str) -> bool {
+        let declared = self.declared.get(&name.to_uppercase());
+        declared
+            .is_some_and(|at| self.kind(at + 1) == Some(RawKind::Colon) && self.keyword(at + 2) == Some(Keyword::Array))
     }
 
     /// Index after the operand that begins at `first`: `a.b[1].c`, `f(x)`.

@@ -1,8 +1,10 @@
 //! Values and targets of other languages: `a S= b`, `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, `a[1]:P`, and `1..:` in CASE.
 
-use plcc_diag::{Code, Diagnostic};
+use plcc_diag::{Code, Diagnostic, Span};
 
 use super::{Repair, begins_operand, ends_operand};
+use crate::ast::OperandKind;
+use crate::scl::address;
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
@@ -274,6 +276,20 @@ impl Repair<'_> {
         let assign = (at..after).find(is_sign).filter(|sign| self.kind(*sign) == Some(RawKind::Assign));
         let Some(assign) = assign else { return false };
         let end = self.end_of_statement(assign);
+        // `M0,0 := TRUE;`
+        let address = format!("{}.{}", self.words(first, first), self.words(at + 1, at + 1));
+        if at == first + 1
+            && assign == at + 2
+            && self.kind(at + 1) == Some(RawKind::Number)
+            && self.adjacent(first)
+            && self.adjacent(at)
+            && matches!(address::token(&address, Span::default()), Some(OperandKind::Absolute { .. }))
+        {
+            let title = "an address has a point before the number of its bit".to_owned();
+            self.report(first, assign, title, "a form of other languages", format!("write `{address}`"));
+            self.give_up(end);
+            return true;
+        }
         let (targets, values) = (self.parts(first, assign), self.parts(assign + 1, end));
         let text = |part: &(usize, usize)| self.words(part.0, part.1);
         let targets: Vec<&str> = targets.iter().map(text).collect();
@@ -294,6 +310,23 @@ impl Repair<'_> {
         let title = "an assignment has one variable before `:=`".to_owned();
         self.report(first, assign, title, "a form of other languages", help);
         self.give_up(end);
+        true
+    }
+
+    /// `a := 1, b := 2;`
+    pub(super) fn comma_between_assignments(&mut self) -> bool {
+        let at = self.at;
+        let outside = self.brackets.is_empty() && self.head.is_none();
+        if !outside || !self.is_assigned() || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let is_name = |kind| matches!(kind, Some(RawKind::Word | RawKind::Local | RawKind::Quoted | RawKind::Absolute));
+        if !is_name(self.kind(at + 1)) || self.kind(self.operand_end(at + 1)) != Some(RawKind::Assign) {
+            return false;
+        }
+        let help = format!("write `{};`", self.words(self.statement, at - 1));
+        self.report(at, at + 1, "a statement ends with `;`".to_owned(), "read as `;`", help);
+        self.replace(at, at + 1, RawKind::Semicolon, None);
         true
     }
 
