@@ -308,10 +308,12 @@ impl<'a> Classifier<'a, '_> {
             let given_up = last.kind == RawKind::Reported && last.first_on_line;
             given_up || self.diagnostics.last().is_some_and(|diagnostic| diagnostic.primary.span.start >= last.start)
         });
+        // A bracket that is missing there was reported.
+        let closed = matches!(self.out.last(), Some((start, Tok::RightParen | Tok::RightBracket, end)) if start == end);
         let complete = self.out.last().is_some_and(|(_, token, _)| {
             ends_operand(token) || matches!(token, Tok::Exit | Tok::Continue | Tok::Return)
         });
-        if !closes && !reported && complete {
+        if !closes && !reported && !closed && complete {
             let last = self.last_token().expect("a statement has been read");
             let text = self.slice(last);
             self.report(

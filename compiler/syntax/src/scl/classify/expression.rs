@@ -73,6 +73,14 @@ impl<'a> Classifier<'a, '_> {
             {
                 break;
             }
+            // The next statement begins before the brackets are closed.
+            if !open.is_empty()
+                && matches!(run, Run::Statement | Run::Value)
+                && self.begins_assignment(token)
+                && self.out.last().is_some_and(|(_, token, _)| ends_operand(token))
+            {
+                break;
+            }
             match token.kind {
                 RawKind::LeftParen | RawKind::LeftBracket => {
                     if !self.open_bracket(token, &mut open) {
@@ -118,6 +126,15 @@ impl<'a> Classifier<'a, '_> {
                 keyword if keyword.begins_block() => self.block_begins(self.at),
                 keyword => keyword.ends_expression(),
             }
+    }
+
+    /// Whether a line begins with a variable and `:=`; a name without a sign may be that of a parameter.
+    fn begins_assignment(&self, token: RawToken) -> bool {
+        const LOOK_MAX: usize = 40;
+        let is_variable = matches!(token.kind, RawKind::Local | RawKind::Quoted | RawKind::Absolute);
+        let rest = self.raw.iter().skip(self.at + 1).take(LOOK_MAX);
+        let mut line = rest.take_while(|next| !next.first_on_line && next.kind != RawKind::Semicolon);
+        token.first_on_line && is_variable && line.any(|next| next.kind == RawKind::Assign)
     }
 
     fn begins_operand(&self, run: Run, token: RawToken) -> bool {
