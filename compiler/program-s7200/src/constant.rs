@@ -56,11 +56,13 @@ impl Binder<'_> {
             (Target::Bits(Width::Dword), Constant::Real(value)) => Some(value.to_bits()),
             (Target::AnyByte, Constant::Integer(value @ -128..=-1)) => Some(*value as u32 & 0xFF),
             (Target::AnyByte, _) => self.constant(constant, Target::Integer(Width::Byte), span),
-            (Target::Integer(_) | Target::Signed(_) | Target::Bits(_), Constant::Real(_)) => self.wrong_constant(
-                "a REAL is not possible here",
-                "REALs are moved with MOVR and converted with ROUND",
-                span,
-            ),
+            (Target::Integer(_) | Target::Signed(_) | Target::Bits(_), Constant::Real(value)) => {
+                let help = match value.fract() == 0.0 {
+                    true => format!("write `{value:.0}`, or use an instruction for REALs"),
+                    false => "REALs are moved with MOVR and converted with ROUND".to_string(),
+                };
+                self.wrong_constant("a REAL is not possible here", &help, span)
+            }
             (Target::Integer(_) | Target::Signed(_) | Target::Bits(_), Constant::Bool(_)) => {
                 self.wrong_constant("a BOOL is not possible here", "write a number", span)
             }

@@ -210,6 +210,11 @@ impl Binder<'_> {
                 self.misfit(class, help, span)
             }
             Settled::Constant(Constant::Text(bytes)) if text => self.text(bytes, span),
+            Settled::Constant(Constant::Characters(_)) if text => {
+                let written = self.written(span);
+                let help = format!("a string is written in double quotes: `\"{}\"`", written.trim_matches('\''));
+                self.misfit(class, &help, span)
+            }
             Settled::Constant(constant) => match shape.constant {
                 Some(Target::Integer(Width::Byte)) if class == OperandClass::Count => {
                     self.count_constant(&constant, span).map(Operand::Const)

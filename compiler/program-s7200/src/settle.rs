@@ -202,6 +202,9 @@ impl Binder<'_> {
                 return message
                     .help(format!("a name of special memory: write `{bit}`, or add the symbol table of the project"));
             }
+            if let Some(channels) = analog_channels(name) {
+                return message.help(channels);
+            }
             let is_quoted = span.end - span.start == name.len() as u32 + 2;
             match (near.as_slice(), has_tables) {
                 ([], _) if is_quoted && name.chars().count() <= 4 => message.help(format!(
@@ -291,6 +294,20 @@ impl Binder<'_> {
         );
         None
     }
+}
+
+/// What is meant by `PIW256`, an address of S7-300/400.
+fn analog_channels(name: &str) -> Option<String> {
+    let (letters, number) = name.split_at_checked(3)?;
+    let (what, own) = match letters.to_ascii_uppercase().as_str() {
+        "PIW" => ("inputs", "AIW"),
+        "PEW" => ("inputs", "AEW"),
+        "PQW" => ("outputs", "AQW"),
+        "PAW" => ("outputs", "AAW"),
+        _ => return None,
+    };
+    let is_number = !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
+    is_number.then(|| format!("the analog {what} of the S7-200 are `{own}0`, `{own}2` and so on"))
 }
 
 /// The characters of a name as in a string of the CPU, one byte each if they have one.

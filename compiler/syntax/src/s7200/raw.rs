@@ -110,9 +110,10 @@ pub fn part(text: &str, offset: usize) -> Vec<RawToken> {
     tokens
 }
 
-/// Index of the token that opens a comment of other languages, `(* … *)`.
+/// Index of the token that opens a comment of other languages, `(* … *)` or `/* … */`.
 pub fn block_comment(text: &str, line: &[RawToken]) -> Option<usize> {
     line.windows(2).position(|pair| {
-        pair[0].text(text) == "(" && pair[1].kind == RawKind::Star && pair[0].range().end == pair[1].range().start
+        let adjacent = pair[0].range().end == pair[1].range().start;
+        matches!(pair[0].text(text), "(" | "/") && pair[1].kind == RawKind::Star && adjacent
     })
 }

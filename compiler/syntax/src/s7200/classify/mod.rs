@@ -183,7 +183,8 @@ impl<'a> Classifier<'a, '_> {
     fn without_block_comment<'l>(&mut self, code: &'l [RawToken]) -> &'l [RawToken] {
         let (Some(at), Some(last)) = (block_comment(self.text, code), code.last()) else { return code };
         let range = code[at].range().start..last.range().end;
-        let text = self.slice(range.clone()).trim_start_matches("(*").trim_end_matches("*)").trim();
+        let text = self.slice(range.clone()).trim_start_matches(['(', '/']).trim_end_matches([')', '/']);
+        let text = text.trim_matches('*').trim();
         self.report(
             Diagnostic::new(Code::ForeignForm, self.span(range), "a comment begins with `//`")
                 .label("a form of other languages")

@@ -69,6 +69,10 @@ impl<'a> Classifier<'a, '_> {
                 at += 1;
                 continue;
             }
+            if let Some(count) = self.indexed(&tokens[at - 1..]) {
+                at += count - 1;
+                continue;
+            }
             if token.kind == RawKind::Stray
                 && let Some(next) = tokens.get(at)
                 && self.hexadecimal(token, *next)
@@ -124,6 +128,36 @@ impl<'a> Classifier<'a, '_> {
         );
         self.push(range.clone(), Tok::BadOperand);
         Some(tokens.iter().take_while(|token| token.range().start < range.end).count())
+    }
+
+    /// `VB[VW0]`, `VB(10)`: an address with an index, which is reported; returns how many tokens it has.
+    fn indexed(&mut self, tokens: &[RawToken]) -> Option<usize> {
+        let [letters, open, rest @ ..] = tokens else { return None };
+        let word = letters.text(self.text).to_ascii_uppercase();
+        let closing = match open.text(self.text) {
+            "[" => "]",
+            "(" => ")",
+            _ => return None,
+        };
+        let of_area = letters.kind == RawKind::Word && self.place != Where::Declaration && address::are_letters(&word);
+        let end = rest.iter().position(|token| token.text(self.text) == closing).filter(|end| of_area && *end > 0)?;
+        let index = self.slice(rest[0].range().start..rest[end - 1].range().end);
+        let help = match index.bytes().all(|digit| digit.is_ascii_digit()) {
+            true => format!("write `{word}{index}`"),
+            false => {
+                let first = if word == "V" { "VB" } else { word.as_str() };
+                format!("write `MOVD &{first}0, AC1`, add the index to AC1 with `+D`, and use `*AC1`")
+            }
+        };
+        let range = letters.range().start..rest[end].range().end;
+        let span = self.span(range.clone());
+        self.report(
+            Diagnostic::new(Code::ForeignForm, span, "an address of the S7-200 has no index")
+                .label("a form of other languages")
+                .help(help),
+        );
+        self.push(range, Tok::BadOperand);
+        Some(end + 3)
     }
 
     /// `$FF`, as other assemblers write a hexadecimal number.
@@ -471,7 +505,11 @@ impl<'a> Classifier<'a, '_> {
                 .map(|cell| format!("write `{cell}`: the bit of a timer or counter has no number"))
                 .or_else(|| bit_of_byte(text).map(|bit| format!("name the bit by its byte: `{bit}`"))),
             AddressError::Number => address::with_zeros(text)
-                .map(|address| format!("write the digit 0 in place of the letter O: `{address}`")),
+                .map(|address| format!("write the digit 0 in place of the letter O: `{address}`"))
+                .or_else(|| {
+                    let cell = bit_of_cell(text)?;
+                    Some(format!("write `{cell}`; the instruction decides whether its bit or its value is meant"))
+                }),
             AddressError::DataBlock => None,
         };
         let help = own.unwrap_or_else(|| help.to_owned());
