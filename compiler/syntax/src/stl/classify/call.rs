@@ -152,6 +152,7 @@ impl Classifier<'_, '_> {
     /// One `name := operand` per line, up to the first line that has another form.
     pub(super) fn parameter_lines(&mut self) {
         let mut is_reported = false;
+        let list = self.peek();
         while let Some(first) = self.peek() {
             if !self.is_parameter(self.at) || self.next_pragma(first.start).is_some() {
                 return;
@@ -185,10 +186,31 @@ impl Classifier<'_, '_> {
                 }
                 match token.kind {
                     RawKind::Comma if self.comma_ends_line() => self.at += 1,
+                    RawKind::Comma if self.is_parameter(self.at + 1) => {
+                        if let Some(list) = list.filter(|_| !is_reported) {
+                            self.list_without_parentheses(list, token);
+                        }
+                        is_reported = true;
+                        self.at += 1;
+                        break;
+                    }
                     _ => self.operand_token(),
                 }
             }
         }
+    }
+
+    /// `CALL FC 1 a := 5, b := 6`: reports parameters on one line that begin at `list`; `comma` is the first one.
+    fn list_without_parentheses(&mut self, list: RawToken, comma: RawToken) {
+        let call = self.out.iter().rposition(|(_, token, _)| *token == Tok::Call);
+        let start = call.map_or(list.start as usize, |call| self.out[call].0);
+        let called = self.text[start..list.start as usize].trim();
+        let parameter = self.text[list.start as usize..comma.start as usize].trim();
+        self.report(
+            Diagnostic::new(Code::Syntax, self.span(comma), "a list of parameters on one line has parentheses")
+                .label("read as the end of a parameter")
+                .help(format!("write `{called} ({parameter}, …)`, or each parameter on a separate line")),
+        );
     }
 
     /// Whether the current comma is the last token of its line, outside brackets.
