@@ -7,7 +7,9 @@ mod comments;
 mod conditions;
 mod numbers;
 
-use super::{Repair, begins_operand, ends_operand};
+use plcc_diag::{Code, Diagnostic, Span};
+
+use super::{Edit, Repair, begins_operand, ends_operand};
 use crate::scl::keyword::Keyword;
 use crate::scl::raw::{RawKind, RawToken};
 
@@ -36,7 +38,7 @@ impl Repair<'_> {
             RawKind::Local => self.region_with_sign(token),
             RawKind::Hash => self.parted_duration(token) || self.split_local(token) || self.comment_with_hash(token),
             RawKind::Caret => self.power(),
-            RawKind::Text => self.doubled_quote(token),
+            RawKind::Text => self.doubled_quote(token) || self.apostrophe(token),
             RawKind::Dot => self.bare_fraction() || self.bit_after_point(),
             RawKind::Plus | RawKind::Minus => {
                 self.step(token)
@@ -248,6 +250,47 @@ impl Repair<'_> {
         self.report(at, after, "a quote inside a text is written `$'`".to_owned(), "read as one text", help);
         debug_assert_eq!(token.kind, RawKind::Text, "called at a text");
         self.replace(at, after, RawKind::Reported, None);
+        true
+    }
+
+    /// `'it's'`: a text with one quote inside, whose last quote opens a text without an end.
+    fn apostrophe(&mut self, token: RawToken) -> bool {
+        const LOOK_MAX: usize = 40;
+        let at = self.at;
+        if !self.adjacent(at) || self.kind(at + 1) != Some(RawKind::Word) {
+            return false;
+        }
+        let mut line = (at + 1..).take(LOOK_MAX).take_while(|index| self.beside(*index).is_some());
+        let is_text = |index: &usize| matches!(self.kind(*index), Some(RawKind::Text | RawKind::UnterminatedText));
+        let last = line.find(is_text).filter(|last| self.kind(*last) == Some(RawKind::UnterminatedText));
+        let Some((last, open)) = last.and_then(|last| Some((last, self.token(last)?))) else { return false };
+        let (text, close) = (self.text, open.start + 1);
+        let tail = text.get(close as usize..open.end as usize).unwrap_or_default();
+        let tail = tail.split("//").next().unwrap_or_default();
+        let inner = text.get(token.start as usize + 1..open.start as usize).unwrap_or_default();
+        if !tail.chars().all(|sign| matches!(sign, ')' | ']' | ';' | ' ' | '\t' | '\r')) {
+            return false;
+        }
+        let span = Span { file: self.file, start: token.start, end: close };
+        let message = Diagnostic::new(Code::ForeignForm, span, "a quote inside a text is written `$'`");
+        let help = format!("write `'{}'`", inner.replace('\'', "$'"));
+        self.messages.push(message.label("read as one text").help(help));
+        let mut with = vec![RawToken { kind: RawKind::Reported, end: close, keyword: None, ..token }];
+        for (offset, sign) in tail.char_indices() {
+            let kind = match sign {
+                ')' => RawKind::RightParen,
+                ']' => RawKind::RightBracket,
+                ';' => RawKind::Semicolon,
+                _ => continue,
+            };
+            let start = close + offset as u32;
+            with.push(RawToken { kind, keyword: None, start, end: start + 1, first_on_line: false });
+        }
+        self.edits.push(Edit { first: at, after: last + 1, with: with.clone() });
+        self.at = last + 1;
+        for token in with {
+            self.note(token);
+        }
         true
     }
 
