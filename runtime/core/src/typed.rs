@@ -11,6 +11,7 @@ mod read;
 pub use read::parse;
 
 use plcc_abi::image::{AssertKind, AssertType};
+use plcc_literal::distance::nearest;
 
 use crate::address::Width;
 use crate::assertion::{Value, compare, signed};
@@ -107,8 +108,12 @@ pub fn from_word(word: &str) -> Result<AssertType, String> {
     let types = &WORDS[..WORDS.len() - 3];
     let found = types.iter().find(|(name, _)| name.eq_ignore_ascii_case(word.trim()));
     found.map(|(_, ty)| *ty).ok_or_else(|| {
-        let words: Vec<&str> = types.iter().map(|(word, _)| *word).collect();
-        format!("`{}` is not a type; the types are {}", word.trim(), words.join(", "))
+        let words = || types.iter().map(|(word, _)| *word);
+        let word = word.trim();
+        match nearest(word, words()) {
+            Some(meant) => format!("`{word}` is not a type; did you mean `{meant}`?"),
+            None => format!("`{word}` is not a type; the types are {}", words().collect::<Vec<_>>().join(", ")),
+        }
     })
 }
 
@@ -177,5 +182,6 @@ mod tests {
         assert_eq!(from_word("tod"), Ok(AssertType::TimeOfDay));
         assert_eq!(name(AssertType::TimeOfDay), "TIME_OF_DAY");
         assert!(from_word("T").is_err());
+        assert_eq!(from_word("REEL"), Err("`REEL` is not a type; did you mean `REAL`?".to_string()));
     }
 }

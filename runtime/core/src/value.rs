@@ -11,7 +11,11 @@ use crate::bcd;
 pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
     let text = text.trim();
     let (value, signed) = read(text, width).ok_or_else(|| {
-        let example = if width.bits() == 1 { "true, false, 0 or 1" } else { "a number such as 5, -5, 16#1F or 1.5" };
+        let example = match width {
+            Width::Bit(_) => "true, false, 0 or 1",
+            Width::Dword | Width::Lword => "a number such as 5, -5, 16#1F or 1.5",
+            Width::Byte | Width::Word => without_fraction(text).unwrap_or("a number such as 5, -5 or 16#1F"),
+        };
         format!("`{text}` is not a value; write {example}")
     })?;
     let bits = width.bits();
@@ -31,6 +35,13 @@ pub fn parse(text: &str, width: Width) -> Result<Bits, String> {
         return Err(format!("`{text}` does not fit into {name}"));
     }
     Ok(value as u64 & if bits == 64 { u64::MAX } else { (1 << bits) - 1 })
+}
+
+/// `100` of `100.0`.
+fn without_fraction(text: &str) -> Option<&str> {
+    let (whole, fraction) = text.split_once('.')?;
+    let is_zero = !fraction.is_empty() && fraction.bytes().all(|digit| digit == b'0');
+    (is_zero && number::integer(whole).is_some()).then_some(whole)
 }
 
 /// The number and whether a sign is allowed.
@@ -163,6 +174,13 @@ mod tests {
 
     fn dword(text: &str) -> Option<u64> {
         parse(text, Width::Dword).ok()
+    }
+
+    #[test]
+    fn what_is_no_value_of_a_word_is_told() {
+        assert_eq!(parse("100.0", Width::Word), Err("`100.0` is not a value; write 100".to_string()));
+        let other = "`1.5` is not a value; write a number such as 5, -5 or 16#1F";
+        assert_eq!(parse("1.5", Width::Word), Err(other.to_string()));
     }
 
     #[test]

@@ -154,6 +154,9 @@ fn unknown_function(name: &str) -> String {
 /// The crate's error in words.
 fn wrong(text: &str, error: &Error) -> String {
     match error {
+        Error::UnparsedTokensRemaining(rest) if let Some(meant) = with_point(text, rest) => {
+            format!("`{text}`: a number has a point; write `{meant}`")
+        }
         Error::UnparsedTokensRemaining(rest) => {
             format!("`{text}`: `{}` is not understood", rest.replace(MARK, "").trim())
         }
@@ -168,6 +171,16 @@ fn wrong(text: &str, error: &Error) -> String {
         },
         _ => format!("`{text}` is not an expression: write numbers, names, operators and functions"),
     }
+}
+
+/// `x + 1.5` for `x + 1,5`, which is read up to the comma; `rest`: from there on.
+fn with_point(text: &str, rest: &str) -> Option<String> {
+    if !rest.trim_start().starts_with(',') {
+        return None;
+    }
+    let is_digit = |at: usize| text.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
+    let (at, _) = text.match_indices(',').find(|(at, _)| *at > 0 && is_digit(at - 1) && is_digit(at + 1))?;
+    Some(format!("{}.{}", &text[..at], &text[at + 1..]))
 }
 
 #[cfg(test)]
@@ -203,6 +216,7 @@ mod tests {
             ("2 +", "ends too early"),
             ("", "ends too early"),
             ("level level", "`level` is not understood"),
+            ("level + 1,5 * level", "a number has a point; write `level + 1.5 * level`"),
             ("lvel", "`lvel` is not known here"),
             ("sqr(level)", "`sqr` is not a known function; did you mean `sqrt`?"),
             ("scale(level)", "`scale` is not a known function; the functions are if, clamp, sqrt"),
