@@ -328,14 +328,26 @@ impl<'a> Globals<'a> {
                 Some(global) => {
                     let row = global.span;
                     let wanted = with_article(prefix.letters());
-                    self.report.push(
-                        Diagnostic::new(
-                            Code::DuplicateName,
-                            span,
+                    let is = match global.target {
+                        SymbolTarget::Block { prefix, .. } => with_article(prefix.letters()),
+                        SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => "a tag".to_string(),
+                    };
+                    let of_block = self.input.units.iter().any(|(file, _)| *file == row.file);
+                    let (title, help) = match of_block {
+                        true => (
+                            format!("two blocks have the name `{name}`"),
+                            "give the two blocks different names".to_string(),
+                        ),
+                        false => (
                             format!("`{name}` is not {wanted} in the symbol table"),
-                        )
-                        .label(format!("{wanted} with this name"))
-                        .also(row, "the symbol"),
+                            "correct the row of the table, or give the block another name".to_string(),
+                        ),
+                    };
+                    self.report.push(
+                        Diagnostic::new(Code::DuplicateName, span, title)
+                            .label(format!("{wanted} with this name"))
+                            .also(row, format!("{is} with this name"))
+                            .help(help),
                     );
                 }
             },
