@@ -95,13 +95,9 @@ impl SclBinder<'_, '_> {
                 }
                 (Sign::Minus | Sign::Plus, _) => "only numbers of signed types and TIME can have a sign".to_owned(),
             };
-            self.refuse(
-                Code::TypeMismatch,
-                node.span,
-                &format!("`{name}` is not possible with a value {}", is.trim_start_matches("a value ")),
-                &is,
-                &help,
-            );
+            let with = if is.starts_with("of ") { format!("a value {is}") } else { is.clone() };
+            let title = format!("`{name}` is not possible with {with}");
+            self.refuse(Code::TypeMismatch, node.span, &title, &is, &help);
             return None;
         };
         let operand = Box::new(self.convert(ctx, value, ty)?);

@@ -192,9 +192,11 @@ impl SclBinder<'_, '_> {
             Instance::Db(number) => self.program.data.blocks.get(number).and_then(|db| db.block.instance_of),
             Instance::Variable(_) => instance_key(ty),
         };
+        // Timers of IEC 61131-3 have other data under the same names.
+        let plain = |name: &str| name.strip_suffix("_IEC").unwrap_or(name).to_string();
         let what = match ty.name.as_str() {
             "" => "the data before the point".to_string(),
-            of => format!("`{of}`"),
+            of => format!("`{}`", plain(of)),
         };
         let message = match own {
             Some(key) if self.program.globals.library_block(key).is_none() => {
@@ -206,8 +208,7 @@ impl SclBinder<'_, '_> {
                     ))
             }
             Some(key) => {
-                let known =
-                    self.program.globals.library_block(key).map_or(key.to_string(), |block| block.name.to_string());
+                let known = self.program.globals.library_block(key).map_or(key.to_string(), |block| plain(block.name));
                 // `CTU` of CTU_INT
                 let short = known.rsplit_once('_').filter(|(_, ty)| Elementary::from_word(ty).is_some());
                 let instruction = short.map_or(known.as_str(), |(first, _)| first);
