@@ -4,7 +4,7 @@ use plcc_diag::{Code, Diagnostic, Severity, Span};
 use rustc_hash::FxHashSet;
 
 use super::net::{Arcs, Net, Reach};
-use super::{Checked, names, step_title, transition_title};
+use super::{Chart, Checked, names, step_title, transition_title};
 
 /// Transitions that are missing, or that leave no step.
 pub fn check_transitions(checked: &Checked, messages: &mut Vec<Diagnostic>) {
@@ -144,14 +144,26 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
     }
     // A transition that leaves no step, which has a message, is why others seem to have no way in or out.
     let is_whole = chart.broken || chart.transitions.iter().all(|transition| !transition.from.is_empty());
+    let lost: FxHashSet<usize> = unreachable.iter().copied().collect();
+    let is_end = |step: &usize| {
+        let is_deactivated = requests.any || requests.off.contains(step);
+        net.leaving[*step].is_empty() && !is_deactivated && !(net.is_alone(*step) && lost.contains(step))
+    };
+    let ends: Vec<usize> = (0..net.steps()).filter(is_end).collect();
+    // One transition is missing between a step that nothing reaches and those that nothing leaves.
+    let gap = match unreachable.as_slice() {
+        [only] if net.entering[*only].is_empty() && !net.leaving[*only].is_empty() && !ends.is_empty() => Some(*only),
+        _ => None,
+    };
     for &step in unreachable.iter().filter(|_| is_whole) {
-        messages.push(unreachable_step(checked, step, *manual));
+        let message = unreachable_step(checked, step, *manual);
+        messages.push(match gap {
+            Some(step) => message.help(missing_transition(chart, &ends, step)),
+            None => message,
+        });
     }
-
-    let unreachable: FxHashSet<usize> = unreachable.into_iter().collect();
-    for step in (0..net.steps()).filter(|_| is_whole) {
-        let is_deactivated = requests.any || requests.off.contains(&step);
-        if net.leaving[step].is_empty() && !is_deactivated && !(net.is_alone(step) && unreachable.contains(&step)) {
+    for step in ends.into_iter().filter(|_| is_whole) {
+        if gap.is_none() {
             let step = &chart.steps[step];
             messages.push(
                 Diagnostic::new(Code::DeadEnd, step.name.span, format!("nothing leaves {}", step_title(step)))
@@ -162,6 +174,17 @@ pub fn check_steps(checked: &Checked, messages: &mut Vec<Diagnostic>) -> Start {
     }
     let together = initial_steps(checked, messages);
     if no_start.is_empty() && together { Start::Good } else { Start::Wrong }
+}
+
+/// What to add between steps that nothing leaves and one that nothing reaches.
+fn missing_transition(chart: &Chart, from: &[usize], to: usize) -> String {
+    let name = |step: &usize| chart.steps[*step].name.text.as_str();
+    let names: Vec<&str> = from.iter().map(name).collect();
+    let from = if names.len() == 1 { names[0].to_owned() } else { format!("( {} )", names.join(", ")) };
+    format!(
+        "add the transition that is missing: `FROM {from}` and `TO {}`; otherwise activate it with a row with ON",
+        name(&to)
+    )
 }
 
 /// Reports sequencers that nothing starts; returns the first steps of those.
