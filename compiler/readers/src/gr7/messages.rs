@@ -56,7 +56,12 @@ impl Place<Tok<'_>, ()> for Recovery {
         if let Some(told) = self.slip(state, here) {
             return told;
         }
-        state.misplaced(code, what, here.map(range), first.map(range), before.map_or(0..0, range)).help(help)
+        let meant = match (self, first.map(range), here.map(range)) {
+            (Recovery::Condition, Some(before), Some(here)) => between_operands(state.text, before, here),
+            _ => None,
+        };
+        let message = state.misplaced(code, what, here.map(range), first.map(range), before.map_or(0..0, range));
+        message.help(meant.unwrap_or_else(|| help.to_owned()))
     }
 }
 
@@ -86,6 +91,24 @@ impl Recovery {
             _ => None,
         }
     }
+}
+
+/// What is meant by two operands without an operator between them, and by `> =`.
+fn between_operands(text: &str, before: Range<usize>, here: Range<usize>) -> Option<String> {
+    let is_one_line = !text[before.end..here.start].contains(['\n', '\r']);
+    let (first, second) = (&text[before.clone()], &text[here]);
+    if matches!((first, second), (">" | "<", "=") | ("<", ">")) {
+        return Some(format!("write `{first}{second}` without a blank"));
+    }
+    let is_operand = |text: &str| text.starts_with(|c: char| c.is_alphanumeric() || matches!(c, '#' | '"' | '%' | '_'));
+    if !is_one_line || !is_operand(first) || !is_operand(second) {
+        return None;
+    }
+    // `Heat.X` is several tokens.
+    let start = text[..before.start].rfind(|c: char| c.is_whitespace() || c == '(').map_or(0, |at| at + 1);
+    let is_member = text[..before.start].ends_with('.') && text.is_char_boundary(start);
+    let first = if is_member { &text[start..before.end] } else { first };
+    Some(format!("write `{first} AND {second}`, or `{first} OR {second}`"))
 }
 
 /// A name; blanks in an address such as `MW 10` are not part of it.
