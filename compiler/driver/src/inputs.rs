@@ -8,7 +8,7 @@ mod add;
 mod disk;
 mod kinds;
 
-pub(crate) use add::{AXES_ENDING, NOT_THERE};
+pub(crate) use add::{AXES_ENDING, NOT_THERE, project_above};
 pub(crate) use disk::{entries, files_below, is_folder};
 pub use disk::{read_text, reason};
 pub(crate) use kinds::{is_source, may_be_input};

@@ -83,7 +83,12 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
         return exit::USAGE;
     }
     if outcomes.is_empty() {
-        report::say("no source in the given folders");
+        report::say(&match paths.iter().find_map(|path| inputs::project_above(path)) {
+            Some(folder) => {
+                format!("no source in the given folders, which belong to a project: write `plcc test {folder}`")
+            }
+            None => "no source in the given folders".to_string(),
+        });
         return exit::USAGE;
     }
     for outcome in &outcomes {

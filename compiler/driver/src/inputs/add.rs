@@ -101,23 +101,28 @@ pub(super) fn add_file(read: &mut Read, path: &Path, wanted: Wanted) {
     }
 }
 
-/// What to give instead of a file in TOML, which belongs to a project or is for a flag.
-fn instead_of_toml(path: &Path) -> String {
+/// The folder of the project above a file or folder, as the command line names it.
+pub(crate) fn project_above(path: &Path) -> Option<String> {
     let is_project = |folder: &&Path| folder.join(project::FILE_NAME).is_file();
-    let Some(folder) = path.ancestors().skip(1).find(is_project) else {
-        return format!("give the sources; `--scenario {}` plays a scenario with them", path.display());
-    };
-    let shown = match folder.as_os_str().is_empty() {
+    let folder = path.ancestors().skip(1).find(is_project)?;
+    Some(match folder.as_os_str().is_empty() {
         true => ".".to_string(),
         false => folder.display().to_string(),
+    })
+}
+
+/// What to give instead of a file in TOML, which belongs to a project or is for a flag.
+fn instead_of_toml(path: &Path) -> String {
+    let Some(folder) = project_above(path) else {
+        return format!("give the sources; `--scenario {}` plays a scenario with them", path.display());
     };
     match path.file_name() {
         Some(name) if name == project::FILE_NAME => {
-            format!("give the folder of the project, `{shown}`: plcc reads this file there")
+            format!("give the folder of the project, `{folder}`: plcc reads this file there")
         }
         _ => format!(
-            "give the folder of the project, `{shown}`: `plcc test {shown}` plays its scenarios, \
-             `plcc run {shown} --scenario {}` this one",
+            "give the folder of the project, `{folder}`: `plcc test {folder}` plays its scenarios, \
+             `plcc run {folder} --scenario {}` this one",
             path.display()
         ),
     }
