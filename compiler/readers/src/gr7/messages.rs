@@ -93,14 +93,28 @@ impl Recovery {
     }
 }
 
-/// What is meant by two operands without an operator between them, and by `> =`.
+/// What is meant by two operands without an operator between them, by `> =`, `1 < #n < 5`, `#n > 1 AND < 5` and `IF #a`.
 fn between_operands(text: &str, before: Range<usize>, here: Range<usize>) -> Option<String> {
     let is_one_line = !text[before.end..here.start].contains(['\n', '\r']);
     let (first, second) = (&text[before.clone()], &text[here]);
     if matches!((first, second), (">" | "<", "=") | ("<", ">")) {
         return Some(format!("write `{first}{second}` without a blank"));
     }
+    if matches!((first, second), ("=", ">" | "<")) {
+        return Some(format!("write `{second}=`"));
+    }
     let is_operand = |text: &str| text.starts_with(|c: char| c.is_alphanumeric() || matches!(c, '#' | '"' | '%' | '_'));
+    let is_one_of = |text: &str, words: &[&str]| words.iter().any(|word| word.eq_ignore_ascii_case(text));
+    if is_one_of(first, &["IF", "WHEN"]) || is_one_of(second, &["THEN"]) {
+        return Some("write the condition alone, without `IF` and `THEN`".to_owned());
+    }
+    let compares = |text: &str| matches!(text, "<" | ">" | "<=" | ">=" | "=" | "==" | "<>");
+    if compares(second) && is_one_of(first, &["AND", "OR", "XOR", "&"]) {
+        return Some(format!("write the value again before `{second}`: a comparison has two sides"));
+    }
+    if compares(second) && is_operand(first) {
+        return Some(format!("write `AND {first}` before `{second}`: a comparison has two sides"));
+    }
     if !is_one_line || !is_operand(first) || !is_operand(second) {
         return None;
     }

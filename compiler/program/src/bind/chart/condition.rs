@@ -63,6 +63,7 @@ impl ChartBinder<'_, '_> {
                     _ if text.contains(char::is_whitespace) => {
                         "compare it, for example with `> 0`, or name a bit".to_string()
                     }
+                    _ if is.contains("STRING") => format!("compare it, as in `{text} <> ''`, or name a bit"),
                     _ => format!("compare it, as in `{text} <> 0`, or name a bit"),
                 }),
         );
