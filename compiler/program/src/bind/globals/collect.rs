@@ -56,7 +56,21 @@ fn type_fault(symbol: &Symbol, ty: Elementary) -> Option<Diagnostic> {
     let help = if is_long {
         format!("write the address of its first bit, such as `{} {byte}.0`", area.letters())
     } else {
-        "correct the address or the data type, so that both have the same width".to_owned()
+        let letters = area.letters();
+        let address = match ty.bits() {
+            1 => format!("{letters} {byte}.{bit}"),
+            8 => format!("{letters}B {byte}"),
+            16 => format!("{letters}W {byte}"),
+            _ => format!("{letters}D {byte}"),
+        };
+        let own = match width {
+            ast::Width::Bit => "BOOL",
+            ast::Width::Byte => "BYTE",
+            ast::Width::Word => "WORD",
+            ast::Width::Dword => "DWORD",
+            ast::Width::Lword => "LWORD",
+        };
+        format!("write the address `{address}`, or the data type {own}")
     };
     Some(Diagnostic::new(Code::SymbolTable, symbol.span, title).label("the address counts").help(help))
 }
