@@ -8,7 +8,7 @@ mod meant;
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::ast::BlockPrefix;
-use plcc_syntax::symbols::{QUOTE_MISSING, UnreadableRow};
+use plcc_syntax::symbols::{NO_ADDRESS, QUOTE_MISSING, UnreadableRow};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::{fold, similar};
@@ -199,7 +199,10 @@ impl Report {
     pub fn unreadable_symbol(&mut self, name: &str, span: Span, row: &UnreadableRow) {
         self.missing(MissingKey::Symbol(fold(name)), span, || {
             Diagnostic::new(Code::UnknownSymbol, span, format!("the symbol `{name}` has no address"))
-                .label("its row in the symbol table cannot be read")
+                .label(match row.reason == NO_ADDRESS {
+                    true => "no address was entered for it in the tag table",
+                    false => "its row in the symbol table cannot be read",
+                })
                 .also(row.span, row.reason.clone())
                 .help(match &row.meant {
                     _ if row.reason == QUOTE_MISSING => "write the missing `\"` in that row".to_owned(),

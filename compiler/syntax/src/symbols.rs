@@ -20,6 +20,8 @@ pub struct SymbolTable {
 
 /// The reason of a row whose quotes are not in pairs.
 pub const QUOTE_MISSING: &str = "a quote is missing";
+/// The reason of a row of a tag table whose address was not entered. It is a mistake only if the program uses the tag.
+pub const NO_ADDRESS: &str = "its address is empty";
 
 /// A row whose address is not understood.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +33,13 @@ pub struct UnreadableRow {
     pub meant: Option<String>,
     /// The row.
     pub span: Span,
+}
+
+impl UnreadableRow {
+    /// A tag whose address was not entered.
+    pub fn without_address(name: String, span: Span) -> UnreadableRow {
+        UnreadableRow { name, reason: NO_ADDRESS.to_string(), meant: None, span }
+    }
 }
 
 /// A constant that every block can use by its name.

@@ -48,10 +48,13 @@ impl Reader<'_> {
                     self.misspelt(columns, delimiter, start, line);
                 } else {
                     let (address, comment) = (field(columns.address), field(columns.comment));
-                    // A tag whose address was not entered.
-                    if !address.is_empty() || field(Some(columns.name)).is_empty() {
+                    let name = field(Some(columns.name));
+                    if address.is_empty() && !name.is_empty() {
+                        let row = UnreadableRow::without_address(name.to_string(), self.span(start, line));
+                        self.table.unreadable.push(row);
+                    } else {
                         let before = self.table.symbols.len();
-                        self.row(start, line, field(Some(columns.name)), address, field(columns.ty), comment);
+                        self.row(start, line, name, address, field(columns.ty), comment);
                         // The row may be wrong.
                         if let Some(symbol) = self.table.symbols.get_mut(before) {
                             let setting = |column: Option<usize>| column.and_then(|at| record.get(at));

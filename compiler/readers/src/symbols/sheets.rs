@@ -99,9 +99,12 @@ pub fn parse(file: FileId, text: &str) -> (SymbolTable, Vec<Diagnostic>) {
             let (name, (at, value)) = (cell(columns.name).1.trim(), cell(value));
             let ty = cell(ty).1.trim().trim_matches('"').to_string();
             match (name.is_empty(), value.trim().is_empty()) {
-                // This includes a tag whose address was not entered.
                 (true, true) => continue,
-                (false, true) if !constants => continue,
+                (false, true) if !constants => {
+                    let place = cell(columns.name).0;
+                    let span = Span::new(file, place..place + cell(columns.name).1.len());
+                    table.unreadable.push(UnreadableRow::without_address(name.to_string(), span));
+                }
                 (true, false) => bad(*start, number, "the name is missing".to_string()),
                 (false, true) => bad(*start, number, format!("the constant `{name}` has no value")),
                 (false, false) => {

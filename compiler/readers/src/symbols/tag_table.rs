@@ -120,7 +120,9 @@ impl Reader<'_> {
             } else if kind.eq_ignore_ascii_case("Tag") {
                 let address = attribute(&["addr", "Addr", "address"]);
                 match parse_address(address.trim_end_matches(":P")) {
-                    _ if address.is_empty() => {}
+                    _ if address.is_empty() => {
+                        self.table.unreadable.push(UnreadableRow::without_address(name, span));
+                    }
                     Some(target) => {
                         let comment = attribute(&["remark", "comment"]);
                         let external = external(row.attribute("hmiAccessible"), row.attribute("hmiWriteable"));
@@ -164,9 +166,8 @@ impl Reader<'_> {
         if name.is_empty() {
             return self.bad(Span::new(self.file, head(row)), "a tag without a name".to_string());
         }
-        // A tag whose address was not entered.
         if address.is_empty() {
-            return;
+            return self.table.unreadable.push(UnreadableRow::without_address(name, span));
         }
         // `%IW64:P` of hardware: the tag is the process image, its access says `:P` itself.
         let bare = address.trim_end_matches(":P");
