@@ -54,6 +54,15 @@ async function look(tab) {
   await tab(`[...${page}.querySelectorAll("main tr")].find((row) => row.textContent.startsWith("I0.0")).querySelector("a").click()`);
   await until(tab, "the network of the use", `/^#OB1.1$/.test(document.querySelector("#drawings").contentWindow.location.hash)`);
 
+  // Before the CPU has said what is forced, the page does not say that nothing is.
+  const claim = `document.querySelector("#no-forces").hidden`;
+  await tab(`location.hash = "force"; 0`);
+  await until(tab, "that nothing is forced", `!${claim}`);
+  await tab(`live.told = false; forces.open(); 0`);
+  await until(tab, "no such words", claim);
+  await tab(`live.told = true; forces.open(); 0`);
+  await until(tab, "the words again", `!${claim}`);
+
   // She may change values, but not stop the CPU.
   await tab(`send({ do: "stop" })`);
   await until(tab, "why not", `/role/.test(document.querySelector("#refused").textContent)`);

@@ -13,6 +13,7 @@ const live = {
   shown: new Map(), // name -> { value, text, type } or { wrong }
   role: "look",
   forced: [], // { name, value, address, comment }
+  told: false, // the CPU has said what is forced
   marked: new Set(), // names with forced bits
   drawn: false, // the program has drawings
 };
@@ -131,7 +132,7 @@ function state(it) {
 
 // Inputs and outputs with fixed values are told wherever the page is.
 function forced(list) {
-  live.forced = list;
+  Object.assign(live, { forced: list, told: true });
   program.mark();
   $("forced").hidden = list.length === 0;
   $("forced").textContent = `F ${list.length}`;

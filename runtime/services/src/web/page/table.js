@@ -282,7 +282,7 @@ const forces = {
   open() {
     const { max, areas } = live.force ?? {};
     $("force-limit").textContent = max ? `${live.forced.length} forced. This CPU forces ${areas} ${max} values. ${live.role === "change" ? "" : "Only a user with the role change may force."}` : "";
-    $("no-forces").hidden = live.forced.length > 0;
+    $("no-forces").hidden = !live.told || live.forced.length > 0;
     $("release-all").disabled = !live.forced.length;
     this.rows.clear();
     $("forces").replaceChildren(...live.forced.map((it) => {
