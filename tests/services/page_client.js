@@ -54,6 +54,11 @@ async function look(tab) {
   await tab(`[...${page}.querySelectorAll("main tr")].find((row) => row.textContent.startsWith("I0.0")).querySelector("a").click()`);
   await until(tab, "the network of the use", `/^#OB1.1$/.test(document.querySelector("#drawings").contentWindow.location.hash)`);
 
+  // The head of the list of variables is as wide as its rows.
+  await tab(`location.hash = "variables"; 0`);
+  const cells = (row) => `document.querySelector("#variables ${row}")?.cells.length`;
+  await until(tab, "a cell above each column", `${cells("tbody tr")} > 0 && ${cells("tbody tr")} === ${cells("thead tr")}`);
+
   // Before the CPU has said what is forced, the page does not say that nothing is.
   const claim = `document.querySelector("#no-forces").hidden`;
   await tab(`location.hash = "force"; 0`);
