@@ -15,6 +15,7 @@ mod leave_out;
 mod look;
 mod network;
 mod scl;
+mod size;
 mod stl;
 mod write;
 

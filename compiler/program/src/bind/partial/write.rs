@@ -10,6 +10,7 @@ use plcc_syntax::scl::ast as scl;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::evidence::{Elements, Evidence, Guess, Interface, Shape};
+use super::size;
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::layout;
@@ -24,9 +25,6 @@ const MEMORY_END: u32 = plcc_abi::layout::AREA_BYTES;
 
 /// Bytes of a data block if no use shows its size.
 const OPENED_BYTES: u32 = 1024;
-
-/// Last index of an array whose indices are all found at run time.
-const OPEN_INDEX: i64 = 99;
 
 /// The value of the first missing constant; each has its own value. Those that are lower bounds of arrays have the values below.
 const FIRST_CONSTANT: i64 = 101;
@@ -211,7 +209,7 @@ impl Writer<'_> {
                 let ty = type_of(shape, span);
                 let bytes = match &shape.ty {
                     Some(ty) => layout::bytes(ty),
-                    None => 1024,
+                    None => size::bytes(shape).min(u64::from(MEMORY_END)) as u32,
                 };
                 stand_ins.blocks.push(Block::Type(ast::TypeBlock {
                     name: BlockName::Symbol { name: alias.clone(), span },
@@ -426,7 +424,7 @@ fn named(word: &str, span: Span) -> TypeRef {
 }
 
 /// The elementary type that the uses of a name show.
-fn elementary_of(shape: &Shape) -> Option<Elementary> {
+pub fn elementary_of(shape: &Shape) -> Option<Elementary> {
     if !shape.members.is_empty() || shape.elements.is_some() {
         return None;
     }
@@ -444,14 +442,14 @@ fn elementary_of(shape: &Shape) -> Option<Elementary> {
 }
 
 /// Whether a name is used as a whole with a structure that has all components of the name.
-fn has_components(shape: &Shape) -> bool {
+pub fn has_components(shape: &Shape) -> bool {
     let Some(DataType::Struct(structure)) = &shape.ty else { return false };
     let has = |folded: &str| structure.members.iter().any(|member| fold(&member.name) == folded);
     !shape.members.is_empty() && shape.members.iter().all(|(folded, _)| has(folded))
 }
 
 /// The type of a text whose characters are used as well, `name[3]`.
-fn text_of<'s>(shape: &'s Shape, elements: &Elements) -> Option<&'s DataType> {
+pub fn text_of<'s>(shape: &'s Shape, elements: &Elements) -> Option<&'s DataType> {
     let text = shape.literal.as_ref().filter(|ty| matches!(ty, DataType::String(_) | DataType::WideString(_)))?;
     let Elements { bounds, shape: of, .. } = elements;
     let has_parts = of.elements.is_some() || !of.members.is_empty();
@@ -471,15 +469,8 @@ fn type_of(shape: &Shape, span: Span) -> TypeRef {
         (_, Some(ty @ (DataType::Array(_) | DataType::String(_) | DataType::WideString(_)))) => written(ty, span),
         (Some(elements), None) if let Some(text) = text_of(shape, elements) => written(text, span),
         (Some(elements), _) => {
-            let bounds = elements
-                .bounds
-                .iter()
-                .map(|(low, high)| {
-                    let (low, high) =
-                        if elements.open { ((*low).min(0), (*high).max(OPEN_INDEX)) } else { ((*low).min(1), *high) };
-                    (Bound::Number(low, span), Bound::Number(high, span))
-                })
-                .collect();
+            let bound = |(low, high)| (Bound::Number(low, span), Bound::Number(high, span));
+            let bounds = size::array(elements).0.into_iter().map(bound).collect();
             let element = Box::new(type_of(&elements.shape, span));
             TypeRef { kind: TypeKind::Array { bounds, element }, span }
         }
