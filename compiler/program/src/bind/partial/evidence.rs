@@ -10,6 +10,7 @@ use rustc_hash::FxHashSet;
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::types::{DataType, ParameterType};
+use plcc_stdlib::BlockClass;
 
 /// Which names and components get a declaration. What is not declared still learns its type from its uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -104,7 +105,10 @@ impl Shape {
     /// Adds what one use shows.
     pub fn learn(&mut self, hint: Option<&Hint>) {
         match hint {
-            Some(Hint::Type(ty)) => self.ty = Some(joined(self.ty.take(), ty)),
+            Some(Hint::Type(ty)) => {
+                self.of = self.of.take().or_else(|| instance(ty));
+                self.ty = Some(joined(self.ty.take(), ty));
+            }
             Some(Hint::Width(ty)) => {
                 self.width = Some(match self.width {
                     Some(known) if known.bits() >= ty.bits() => known,
@@ -233,6 +237,14 @@ impl Shape {
         });
         own + members + elements + call
     }
+}
+
+/// The block of the library whose instance a type is, such as an axis. Only its name is known to sources.
+fn instance(ty: &DataType) -> Option<Missing> {
+    let DataType::Struct(structure) = ty else { return None };
+    let (is_system, number) = structure.instance_of?;
+    let block = plcc_stdlib::find(BlockClass::Sfb, number)?;
+    (is_system && block.is_tia()).then(|| Missing::name(block.name))
 }
 
 /// One type for two uses: the wider one of numbers, otherwise the first.
