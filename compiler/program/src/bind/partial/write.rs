@@ -94,7 +94,8 @@ impl Writer<'_> {
                 Some(_) => Kind::Function,
                 None => kind_of(missing, shape),
             };
-            let shape = &shape.declared(self.guess);
+            let is_fb = matches!(kind, Kind::FunctionBlock);
+            let shape = &if is_fb { self.with_instances(missing, shape) } else { shape.declared(self.guess) };
             if matches!(kind, Kind::Tag) && !shape.is_declared(self.guess) {
                 continue;
             }
@@ -170,6 +171,19 @@ impl Writer<'_> {
             stand_ins.lines.push(Line { missing: missing.clone(), name, what });
         }
         stand_ins
+    }
+
+    /// A function block, with the components that are used of its instance data blocks, too.
+    fn with_instances(&self, missing: &Missing, shape: &Shape) -> Shape {
+        let mut whole = shape.declared(self.guess);
+        for instance in self.evidence.things.values().filter(|other| other.of.as_ref() == Some(missing)) {
+            for (name, member) in instance.declared(self.guess).members {
+                if !whole.members.iter().any(|(known, _)| *known == name) {
+                    whole.members.push((name, member));
+                }
+            }
+        }
+        whole
     }
 
     /// The line of the file that describes stand-in `at`, as an offset in characters.
