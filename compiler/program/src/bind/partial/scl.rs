@@ -391,8 +391,12 @@ impl Look<'_, '_> {
     /// Arguments of a block that is known.
     pub fn known_block(&mut self, ctx: &mut SclBlock, key: BlockKey, arguments: &[Argument], span: Span) {
         let Some(bound) = self.quietly(|program| program.interface(key, span)) else { return };
-        let inputs: Vec<_> =
-            bound.interface.parameters.iter().filter(|one| one.direction != Direction::Output).collect();
+        let parameters = || bound.interface.parameters.iter();
+        let mut inputs: Vec<_> = parameters().filter(|one| one.direction != Direction::Output).collect();
+        // `RD_SYS_T(#now)` has only an output.
+        if inputs.is_empty() {
+            inputs = parameters().filter(|one| one.name != "RET_VAL").collect();
+        }
         for (at, argument) in arguments.iter().enumerate() {
             let Some(value) = &argument.value else { continue };
             let formal = match &argument.name {
