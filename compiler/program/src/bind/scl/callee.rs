@@ -59,10 +59,6 @@ impl SclBinder<'_, '_> {
 
     fn named_callee(&mut self, ctx: &mut SclBlock, node: &Node, name: &Name) -> Option<Callee> {
         let local = self.is_local(ctx, name);
-        if local && self.is_unknown_global(ctx, name) {
-            self.unknown_function(name);
-            return None;
-        }
         if self.is_instance(ctx, name) {
             let text = self.program.globals.text(name.span);
             let write = |instruction: &str| format!("{text}.{instruction}(…)");
@@ -132,7 +128,9 @@ impl SclBinder<'_, '_> {
         ctx.block.bound.locals.contains_key(&folded)
             && match name.form {
                 NameForm::Bare | NameForm::Local => true,
-                NameForm::Quoted => !self.program.globals.names.symbols.contains_key(&folded),
+                NameForm::Quoted => {
+                    !ctx.scope.marks_locals && !self.program.globals.names.symbols.contains_key(&folded)
+                }
             }
     }
 
