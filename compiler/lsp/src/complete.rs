@@ -34,6 +34,8 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     let around = next.checked_sub(1).map(|at| (words.word(at), words.range(at).end));
     let is_open = |(word, end): (&str, usize)| match word {
         _ if word.starts_with("//") => byte <= end,
+        // A text whose second quote is not written yet.
+        _ if word.starts_with('\'') && (word.len() == 1 || !word.ends_with('\'')) => byte <= end,
         _ if word.starts_with("(*") || word.starts_with("/*") || word.starts_with('\'') => byte < end,
         _ => false,
     };

@@ -174,6 +174,9 @@ fn variables_tags_and_blocks_are_proposed_where_they_can_stand() {
         assert!(labels(&found).contains(&word), "{word} is not in {found}");
     }
     assert!(!labels(&found).contains(&"\"Motor\""), "{found}");
+    editor.edit("motor.scl", "speed.set + 1;", "'abc");
+    let found = editor.at("textDocument/completion", "motor.scl", "'abc|\n");
+    assert_eq!(labels(&found), Vec::<&str>::new(), "a text is being written");
 }
 
 #[test]
