@@ -1,6 +1,7 @@
 //! Constants as text, in the form that reads back to the same value.
 
 use plcc_literal::duration::s5time_milliseconds;
+use plcc_literal::written::{self, DAYS_TO_1990, date, time_of_day};
 use plcc_syntax::Elementary;
 use plcc_syntax::literal::{ANY_TYPES, Literal};
 use plcc_syntax::stl::Mnemonics;
@@ -65,11 +66,7 @@ pub fn typed(ty: Elementary, bits: u64) -> String {
         Elementary::Date => format!("D#{}", date(bits as i64 + DAYS_TO_1990)),
         Elementary::TimeOfDay => format!("TOD#{}", time_of_day(bits * 1_000_000)),
         Elementary::Ltod => format!("LTOD#{}", time_of_day(bits)),
-        Elementary::Ldt => {
-            let ns = bits.cast_signed();
-            let (days, rest) = (ns.div_euclid(NS_PER_DAY), ns.rem_euclid(NS_PER_DAY));
-            format!("LDT#{}-{}", date(days), time_of_day(rest.unsigned_abs()))
-        }
+        Elementary::Ldt => format!("LDT#{}", written::date_and_time(bits.cast_signed())),
     }
 }
 
@@ -94,58 +91,8 @@ pub fn s5time(word: u16) -> Option<String> {
 }
 
 /// `T#1D2H3M4S5MS`, of nanoseconds.
-pub fn duration(prefix: &str, ns: i128) -> String {
-    let units: [(i128, &str); 7] = [
-        (86_400_000_000_000, "D"),
-        (3_600_000_000_000, "H"),
-        (60_000_000_000, "M"),
-        (1_000_000_000, "S"),
-        (1_000_000, "MS"),
-        (1_000, "US"),
-        (1, "NS"),
-    ];
-    let mut rest = ns.abs();
-    let mut text = format!("{prefix}{}", if ns < 0 { "-" } else { "" });
-    for (size, unit) in units {
-        if rest >= size {
-            text.push_str(&format!("{}{unit}", rest / size));
-            rest %= size;
-        }
-    }
-    if ns == 0 {
-        text.push_str("0MS");
-    }
-    text
-}
-
-/// From 1970-01-01 to 1990-01-01.
-const DAYS_TO_1990: i64 = 7305;
-const NS_PER_DAY: i64 = 86_400_000_000_000;
-
-/// `1990-1-1`, of days since 1970-01-01. Source: chrono-Compatible Low-Level Date Algorithms.
-fn date(days: i64) -> String {
-    let shifted = days + 719_468;
-    let era = shifted.div_euclid(146_097);
-    let day_of_era = shifted.rem_euclid(146_097);
-    let year_of_era = (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let month_from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * month_from_march + 2) / 5 + 1;
-    let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    format!("{year}-{month:02}-{day:02}")
-}
-
-/// `5:45:00.123`, of nanoseconds since midnight.
-fn time_of_day(ns: u64) -> String {
-    let seconds = ns / 1_000_000_000;
-    let mut text = format!("{:02}:{:02}:{:02}", seconds / 3_600, seconds / 60 % 60, seconds % 60);
-    let fraction = format!("{:09}", ns % 1_000_000_000);
-    let fraction = fraction.trim_end_matches('0');
-    if !fraction.is_empty() {
-        text.push_str(&format!(".{fraction:0<3}"));
-    }
-    text
+fn duration(prefix: &str, ns: i128) -> String {
+    format!("{prefix}{}", written::duration(ns))
 }
 
 /// Eight BCD bytes; years from 90 are of the last century, the last digit is the day of the week.

@@ -5,6 +5,7 @@
 //! - [`number`]: `-5`, `1_000`, `16#FF`.
 //! - [`distance`]: the name that was meant.
 //! - [`article`]: `a` or `an`; [`count`]: `1 cycle`, `12 cycles`.
+//! - [`written`]: durations, dates and times of day as text.
 //! - [`toml_words`]: what is wrong in a TOML file, in plain words.
 //!
 //! Everything is computed in integers, so `1.001s` is 1001 ms. Ranges of types and messages are the caller's.
@@ -18,3 +19,4 @@ pub mod distance;
 pub mod duration;
 pub mod number;
 pub mod toml_words;
+pub mod written;

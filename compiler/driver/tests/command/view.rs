@@ -81,6 +81,26 @@ fn a_box_of_a_timer_has_all_pins_and_a_coil_is_a_coil() {
 }
 
 #[test]
+fn durations_and_dates_have_their_units() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK Times\n  VAR\n    day : Date;\n    long : LTime;\n    clock : Time_Of_Day;\n    t : TON_TIME;\n    \
+                  q : Bool;\n  END_VAR\n{ S7_Language := \"LAD\" }\nNETWORK\n  RUNG wire#powerrail \
+                  { S7_Templates := \"SrcType := Date\" } GT_Contact( in1 := #day, in2 := D#2024-02-29 ) \
+                  { S7_Templates := \"SrcType := LTime\" } LT_Contact( in1 := #long, in2 := LT#1s500us ) \
+                  { S7_Templates := \"SrcType := Time_Of_Day\" } EQ_Contact( in1 := #clock, in2 := TOD#12:30:00 ) \
+                  #t.TON( pt := T#1h2m3s, et => ) Coil( #q ) END_RUNG\nEND_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("times.s7dcl"), source).expect("the folder can be written");
+    let arguments = ["view", "times.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let picture = fs::read_to_string(folder.join("drawings/FB_1_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for text in [">D#2024-02-29<", ">LT#1s500us<", ">TOD#12:30:00<", ">T#1h2m3s<"] {
+        assert!(picture.contains(text), "{text} in {picture}");
+    }
+}
+
+#[test]
 fn no_page_is_written_of_what_could_not_be_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

@@ -1,6 +1,7 @@
 //! Operands as a programmer writes them.
 
 use plcc_literal::duration::s5time_milliseconds;
+use plcc_literal::written;
 
 use crate::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
 use crate::scl::text;
@@ -9,7 +10,7 @@ use crate::{Class, Elementary};
 /// Characters of an operand that are shown.
 const LENGTH_MAX: usize = 28;
 
-/// `#Start`, `"Tank".level[3]`, `%I0.0`, `T#1500ms`, cut to a length that fits a drawing.
+/// `#Start`, `"Tank".level[3]`, `%I0.0`, `T#1s500ms`, cut to a length that fits a drawing.
 pub fn operand(value: &Expr) -> String {
     let full = whole(value);
     if full.chars().count() <= LENGTH_MAX {
@@ -80,8 +81,12 @@ fn literal(value: &Literal) -> String {
     let signed = ((*bits << shift) as i64) >> shift;
     match (ty, ty.class()) {
         (Elementary::Bool, _) => if *bits == 0 { "FALSE" } else { "TRUE" }.to_string(),
-        (Elementary::Time, _) if signed % 1000 == 0 => format!("T#{}s", signed / 1000),
-        (Elementary::Time, _) => format!("T#{signed}ms"),
+        (Elementary::Time, _) => format!("T#{}", duration(i128::from(signed) * 1_000_000)),
+        (Elementary::Ltime, _) => format!("LT#{}", duration(i128::from(signed))),
+        (Elementary::Date, _) => format!("D#{}", written::date(*bits as i64 + written::DAYS_TO_1990)),
+        (Elementary::TimeOfDay, _) => format!("TOD#{}", written::time_of_day(bits * 1_000_000)),
+        (Elementary::Ltod, _) => format!("LTOD#{}", written::time_of_day(*bits)),
+        (Elementary::Ldt, _) => format!("LDT#{}", written::date_and_time(signed)),
         (Elementary::Real, _) => format!("{:?}", f32::from_bits(*bits as u32)),
         (Elementary::Lreal, _) => format!("{:?}", f64::from_bits(*bits)),
         (Elementary::S5Time, _) => s5time(*bits),
@@ -96,11 +101,15 @@ fn literal(value: &Literal) -> String {
     }
 }
 
+/// `1h2m3s`, of nanoseconds.
+fn duration(ns: i128) -> String {
+    written::duration(ns).to_lowercase()
+}
+
 /// Time base and three BCD digits as a duration; other bits as they are.
 fn s5time(bits: u64) -> String {
     match s5time_milliseconds(bits as u16) {
-        Some(ms) if ms.is_multiple_of(1000) => format!("S5T#{}s", ms / 1000),
-        Some(ms) => format!("S5T#{ms}ms"),
+        Some(ms) => format!("S5T#{}", duration(i128::from(ms) * 1_000_000)),
         None => format!("W#16#{bits:X}"),
     }
 }
