@@ -81,6 +81,23 @@ fn a_box_of_a_timer_has_all_pins_and_a_coil_is_a_coil() {
 }
 
 #[test]
+fn pins_have_the_names_of_the_editors() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION Count : Void\n  VAR_IN_OUT\n    n : Int;\n  END_VAR\n{ S7_Language := \"LAD\" }\nNETWORK\n  \
+                  RUNG wire#powerrail { S7_Templates := \"SrcType := Int\" } InRange( min := 0, in := #n, max := 9 ) \
+                  { S7_Templates := \"SrcType := Int\" } Inc( operand := #n ) END_RUNG\nEND_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("count.s7dcl"), source).expect("the folder can be written");
+    let arguments = ["view", "count.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for (name, is_shown) in [("MIN", true), ("VAL", true), ("IN/OUT", true), ("PRE", false), ("OUT", false)] {
+        assert_eq!(picture.contains(&format!(">{name}<")), is_shown, "{name} in {picture}");
+    }
+}
+
+#[test]
 fn durations_and_dates_have_their_units() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

@@ -240,11 +240,15 @@ fn types(element: &Element) -> String {
     }
 }
 
-/// A pin's name inside its box: none at gates and at the boxes of a single sign.
+/// A pin's name inside its box, as the editors of Siemens write it: none at gates, at boxes of a single sign, and where the flow enters and
+/// leaves a comparison.
 fn pin_name(element: &Element, name: &str) -> String {
     match &element.target {
-        Target::Element { row, .. } => match row.kind {
-            Kind::Gate(_) | Kind::EdgeTrigger { .. } => String::new(),
+        Target::Element { row, .. } => match (row.kind, name) {
+            (Kind::Gate(_) | Kind::EdgeTrigger { .. }, _) => String::new(),
+            (Kind::Compare(_) | Kind::Range { .. }, "pre" | "out") => String::new(),
+            (Kind::Range { .. }, "in") => "VAL".to_string(),
+            (Kind::Step { .. }, "operand") => "IN/OUT".to_string(),
             _ => name.to_uppercase(),
         },
         Target::Block { .. } if name.eq_ignore_ascii_case("en") || name.eq_ignore_ascii_case("eno") => {
