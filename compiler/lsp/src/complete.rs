@@ -445,8 +445,13 @@ fn parameters(index: &Index, words: &Words, file: FileId, at: usize) -> Vec<Comp
 pub fn signature(index: &Index, words: &Words, file: FileId, byte: usize) -> Option<SignatureHelp> {
     let at = words.before(byte);
     let open = open_bracket(words, at)?;
-    let callee = callee_around(index, words, file, open + 1)?;
-    let rows = callee.parameters(index);
+    let (callee, rows) = match network::signature(words, open) {
+        Some(element) => element,
+        None => {
+            let callee = callee_around(index, words, file, open + 1)?;
+            (callee.name(), callee.parameters(index))
+        }
+    };
     let texts: Vec<String> = rows.iter().map(ParameterFacts::text).collect();
     let own = directly_in(words, open..at);
     let named = own.iter().rev().find(|&&at| matches!(words.word(at + 1), ":=" | "=>")).map(|&at| bare(words.word(at)));
@@ -459,7 +464,7 @@ pub fn signature(index: &Index, words: &Words, file: FileId, byte: usize) -> Opt
             Some(rows.iter().position(|row| row.is_numbered).map_or(commas, |numbered| commas.min(numbered)))
         }
     };
-    Some(help(format!("{}({})", callee.name(), texts.join(", ")), &texts, active))
+    Some(help(format!("{callee}({})", texts.join(", ")), &texts, active))
 }
 
 /// The pieces of a range that begins with a bracket, without those in brackets in it: in `MAX(LIMIT(1, 2, 3), 4`, one comma.

@@ -3,6 +3,7 @@
 use plcc_syntax::Language;
 use plcc_syntax::network::elements::{self, PinDirection, PinRow};
 
+use crate::facts::ParameterFacts;
 use crate::names::open_bracket;
 use crate::role::{in_rung, is_wire};
 use crate::words::Words;
@@ -56,6 +57,29 @@ fn element(word: &str) -> Option<String> {
         text.push_str(&format!("- `{}`{more} {}{optional}\n", pin.name(), direction(pin)));
     }
     Some(text)
+}
+
+/// The element whose bracket opens at a piece, and its pins. The flow comes and goes on wires.
+pub fn signature(words: &Words, open: usize) -> Option<(String, Vec<ParameterFacts>)> {
+    if words.language(open) != Language::Sd || !in_rung(words, open) {
+        return None;
+    }
+    let name = words.word(open.checked_sub(1)?);
+    let (row, _) = elements::find_sd(name)?;
+    let parameter = |pin: PinRow| ParameterFacts {
+        name: pin.name().to_owned(),
+        also: pin.spellings().skip(1).map(str::to_owned).collect(),
+        direction: match pin.direction {
+            PinDirection::Input => "IN",
+            PinDirection::Output => "OUT",
+            PinDirection::InOut => "IN_OUT",
+        },
+        is_numbered: pin.numbered,
+        is_optional: pin.optional,
+        ..ParameterFacts::default()
+    };
+    let pins = row.pins().filter(|pin| pin.numbered || ![row.flow.0, row.flow.1].contains(&pin.name()));
+    Some((name.to_owned(), pins.map(parameter).collect()))
 }
 
 /// What a pin is for.

@@ -219,6 +219,13 @@ fn elements_pins_and_wires_of_networks_are_explained() {
     assert_eq!(labels(&found), ["en", "et", "eno"]);
     let found = editor.at("textDocument/completion", "lamp.s7dcl", "#one( |on :=");
     assert_eq!(labels(&found), ["on", "time", "lit"]);
+    for (piece, label, active) in
+        [("TON( pt := |#time", "TON(en, pt, et OUT, eno OUT)", 1), ("A( in2 := |#a", "A(in1 …)", 0)]
+    {
+        let found = editor.at("textDocument/signatureHelp", "lamp.s7dcl", piece);
+        assert_eq!(found["signatures"][0]["label"], json!(label), "{piece}");
+        assert_eq!(found["activeParameter"], json!(active), "{piece}");
+    }
     let found = editor.at("textDocument/completion", "lamp.s7dcl", "TON( pt := |#time");
     assert_eq!(labels(&found)[..4], ["#on", "#time", "#lit", "#T1"]);
     assert!(!labels(&found).contains(&"Contact"), "{found}");
