@@ -164,6 +164,13 @@ impl SystemBlock {
         self.number >= TIA_NUMBERS && matches!(self.class, BlockClass::Sfc | BlockClass::Sfb)
     }
 
+    /// What the block does: its comment without signs, up to the source of what it says.
+    pub fn description(&self) -> String {
+        let told = self.comment.lines().take_while(|line| !line.starts_with("// Source: "));
+        let lines: Vec<&str> = told.map(|line| line.trim_start_matches("//").trim()).collect();
+        lines.join("\n").trim().to_string()
+    }
+
     /// True of a part of other blocks, which only the library calls.
     pub fn is_part(&self) -> bool {
         self.number >= PART_NUMBERS && self.class == BlockClass::Sfc

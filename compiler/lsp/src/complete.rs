@@ -257,7 +257,11 @@ fn variable(index: &Index, (direction, variable): Declared) -> CompletionItem {
 
 fn function(function: &FunctionFacts) -> CompletionItem {
     let parameters: Vec<String> = function.parameters.iter().map(ParameterFacts::text).collect();
-    item(&function.name, CompletionItemKind::FUNCTION, &format!("({})", parameters.join(", ")))
+    let description = Some(&function.description).filter(|text| !text.is_empty());
+    CompletionItem {
+        documentation: description.cloned().map(lsp_types::Documentation::String),
+        ..item(&function.name, CompletionItemKind::FUNCTION, &format!("({})", parameters.join(", ")))
+    }
 }
 
 /// Variables and constants of a block.

@@ -3,7 +3,7 @@
 use plcc_model::layout;
 use plcc_model::types::{DataType, Member};
 use plcc_model::{Direction, Program};
-use plcc_stdlib::BlockClass;
+use plcc_stdlib::{BlockClass, SystemBlock};
 use plcc_syntax::Elementary;
 
 /// Blocks and data with their addresses.
@@ -34,6 +34,8 @@ pub struct FunctionFacts {
     pub parameters: Vec<ParameterFacts>,
     /// The name may carry a type: `LIMIT_INT`.
     pub is_typed: bool,
+    /// What it does; empty: its name says so.
+    pub description: String,
 }
 
 /// A parameter of a block or a function.
@@ -142,6 +144,17 @@ impl Facts {
     /// The block that is called `name`, or has the key `FC 1`.
     pub fn block(&self, name: &str) -> Option<&BlockFacts> {
         self.blocks.iter().find(|block| same(&block.name, name) || block.key == name)
+    }
+
+    /// What a block of the library does.
+    pub fn description(block: &BlockFacts) -> String {
+        let number = block.key.rsplit(' ').next().and_then(|number| number.parse::<u16>().ok());
+        let is_tia = block.key.starts_with("SF") && number >= Some(plcc_stdlib::TIA_NUMBERS);
+        let found = match is_tia {
+            true => plcc_stdlib::find_tia(&block.name),
+            false => plcc_stdlib::find_name(&block.name),
+        };
+        found.map(SystemBlock::description).unwrap_or_default()
     }
 
     /// The function of SCL with a name, which may carry a type.

@@ -7,7 +7,7 @@ use plcc_syntax::{Language, s7200};
 
 use crate::address::{self, Address};
 use crate::constants::Constant;
-use crate::facts::{self, ParameterFacts};
+use crate::facts::{self, Facts, ParameterFacts};
 use crate::index::{Entry, Index};
 use crate::names::{Callee, Meaning, meaning, part_before, values_before};
 use crate::network;
@@ -40,11 +40,13 @@ pub fn hover(index: &Index, words: &Words, file: FileId, at: usize) -> Option<St
         Meaning::Block(entry) => Some(block(index, entry)),
         Meaning::Library(found) => {
             let callee = Callee::Library(found);
-            Some(format!("{}{}\n", code(&callee.name()), parameters(index, &callee)))
+            let description = paragraph(&Facts::description(found));
+            Some(format!("{}{description}{}\n", code(&callee.name()), parameters(index, &callee)))
         }
         Meaning::Function(found) => {
             let callee = Callee::Function(found);
-            Some(format!("{}{}\n", code(&callee.name()), parameters(index, &callee)))
+            let description = paragraph(&found.description);
+            Some(format!("{}{description}{}\n", code(&callee.name()), parameters(index, &callee)))
         }
         Meaning::Symbol(symbol) => Some(symbol_text(symbol)),
         Meaning::Constant(constant) => Some(constant_text(index, constant)),
@@ -82,6 +84,10 @@ fn constant_text(index: &Index, constant: Constant) -> String {
 
 fn code(text: &str) -> String {
     format!("```plc\n{text}\n```\n")
+}
+
+fn paragraph(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("{text}\n\n") }
 }
 
 fn block(index: &Index, entry: Entry) -> String {

@@ -66,6 +66,7 @@ fn functions(program: &Program) -> Vec<FunctionFacts> {
         name: one.name,
         parameters: one.parameters.into_iter().map(parameter).collect(),
         is_typed: one.is_typed,
+        description: one.description,
     };
     found.get_or_init(|| signatures(rules).into_iter().map(function).collect()).clone()
 }

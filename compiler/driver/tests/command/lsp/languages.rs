@@ -76,6 +76,9 @@ fn functions_of_the_library_and_conversions_of_texts_are_proposed() {
         assert!(!labels(&found).contains(&word), "{word} is in {found}");
     }
     editor.edit("words.scl", "#sum + to;", "#sum + FIND(IN1 := 'a', IN2 := 'b');");
+    let found = editor.at("textDocument/hover", "words.scl", "FI|ND(IN1 := 'a'");
+    let text = found["contents"]["value"].as_str().unwrap_or_default();
+    assert!(text.contains("Position of the first IN2 in IN1") && text.contains("- `IN2` IN STRING[254]"), "{found}");
     let found = editor.at("textDocument/signatureHelp", "words.scl", "FIND(IN1 := '|a'");
     assert_eq!(found["signatures"][0]["label"], json!("FIND(IN1 : STRING[254] IN, IN2 : STRING[254] IN)"));
 }

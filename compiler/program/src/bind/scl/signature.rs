@@ -20,6 +20,8 @@ pub struct Signature {
     pub parameters: Vec<Parameter>,
     /// The name may carry a type: `LIMIT_INT`.
     pub is_typed: bool,
+    /// What it does, if the library says so.
+    pub description: String,
 }
 
 /// A parameter of a function.
@@ -48,6 +50,7 @@ pub fn signatures(rules: Rules) -> Vec<Signature> {
         name: row.name.to_string(),
         parameters: Pin::list(row).into_iter().map(parameter).collect(),
         is_typed: row.suffix,
+        description: String::new(),
     });
     let texts = text::conversions(rules).into_iter().map(|(name, from)| conversion(name, from));
     // What the language has under the same name goes before the library.
@@ -71,7 +74,7 @@ fn of_library(block: &SystemBlock) -> Option<Signature> {
     let interface = library_interface(block)?;
     let formals = interface.parameters.iter().filter(|formal| formal.name != "RET_VAL");
     let parameters = formals.map(parameter).collect();
-    Some(Signature { name: block.name.to_string(), parameters, is_typed: false })
+    Some(Signature { name: block.name.to_string(), parameters, is_typed: false, description: block.description() })
 }
 
 fn conversions(rules: Rules) -> Vec<Signature> {
@@ -100,5 +103,5 @@ fn conversion(name: String, ty: &str) -> Signature {
         is_optional: false,
         is_numbered: false,
     };
-    Signature { name, parameters: vec![input], is_typed: false }
+    Signature { name, parameters: vec![input], is_typed: false, description: String::new() }
 }
