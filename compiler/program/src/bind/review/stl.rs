@@ -169,16 +169,29 @@ pub fn values(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
     }
 }
 
-/// Reports edges that share their edge memory bit, unless a jump may part them: each reads what the other one wrote.
+/// Reports edges that share their edge memory bit, unless a jump may part them: each reads what the other one wrote; and those whose
+/// edge memory bit is the signal.
 pub fn edges(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<Diagnostic>) {
     let mut first: HashMap<(u8, u16, u32, u8), Span> = HashMap::new();
-    for statement in statements {
+    for (index, statement) in statements.iter().enumerate() {
         match &statement.kind {
             StlStatementKind::Instruction {
                 insn: StlInsn::EdgePositive | StlInsn::EdgeNegative,
                 operand: Operand::Memory { place, .. },
             } => {
                 let Some(bit) = fixed_bit(place) else { continue };
+                if let Some(signal) = own_signal(&statements[..index], bit) {
+                    let name = operand_text(statement.span, sources);
+                    let text = format!("the edge memory bit `{name}` is the signal itself");
+                    let message = Diagnostic::new(Code::EdgeBit, statement.span, text);
+                    found.push(
+                        message
+                            .label("has the value of this cycle, so that there is never an edge")
+                            .also(signal, "the signal")
+                            .help("name a BOOL of its own, in bit memory or in static data"),
+                    );
+                    continue;
+                }
                 let Some(first) = first.insert(bit, statement.span) else { continue };
                 let text = format!("two edges share the edge memory bit `{}`", operand_text(statement.span, sources));
                 let message = Diagnostic::new(Code::EdgeBit, statement.span, text);
@@ -198,6 +211,23 @@ pub fn edges(statements: &[StlStatement], sources: &SourceMap, found: &mut Vec<D
             | StlStatementKind::Sleep(_) => {}
         }
     }
+}
+
+/// Where the bit alone is the RLO after the statements.
+fn own_signal(statements: &[StlStatement], bit: (u8, u16, u32, u8)) -> Option<Span> {
+    let (signal, before) = statements.split_last()?;
+    let StlStatementKind::Instruction { insn: StlInsn::And | StlInsn::Or, operand: Operand::Memory { place, .. } } =
+        &signal.kind
+    else {
+        return None;
+    };
+    let ends = |statement: &StlStatement| {
+        matches!(
+            statement.kind,
+            StlStatementKind::Instruction { insn: StlInsn::Assign | StlInsn::Set | StlInsn::Reset, .. }
+        )
+    };
+    (before.last().is_none_or(ends) && fixed_bit(place) == Some(bit)).then_some(signal.span)
 }
 
 /// Reports a bit that one statement sets and the next one resets, or the other way round: between them the RLO is the same, so that
