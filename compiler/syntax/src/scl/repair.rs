@@ -8,7 +8,7 @@
 //!              labels.rs: GOTO 10                  addresses.rs: MW 10                left_out.rs: #a > 5 THEN
 //!              sections.rs: VAR_GLOBAL                     values.rs: a IN [1, 2], a, b := 1        choices.rs: if (x) a = 1
 //!              around.rs: NAMESPACE                enumerations.rs: TYPE x : INT (a, b)
-//!              durations.rs: T#1h 30m              stl.rs: L #a; T #b;
+//!              durations.rs: T#1h 30m              stl.rs: L #a; T #b;                  block_heads.rs: FUNCTION f(a : INT)
 //! ```
 //!
 //! Each rule looks for something that is wrong in SCL wherever it is, so correct sources pass unchanged; most have no repairs at all, and
@@ -16,6 +16,7 @@
 
 mod addresses;
 mod around;
+mod block_heads;
 mod cases;
 mod choices;
 mod declare;
@@ -188,7 +189,11 @@ impl<'t> Repair<'t> {
             let before = self.at;
             match self.area {
                 Area::Head => {
-                    if !(self.foreign_part(token) || self.global_section(token) || self.heritage(token)) {
+                    let repaired = self.foreign_part(token)
+                        || self.global_section(token)
+                        || self.heritage(token)
+                        || self.foreign_head(token);
+                    if !repaired {
                         self.pass(token);
                     }
                 }

@@ -91,7 +91,7 @@ impl Repair<'_> {
     }
 
     /// Notes the names that are declared between the tokens.
-    fn note_absent(&mut self, first: usize, end: usize, of_block: bool) {
+    pub(super) fn note_absent(&mut self, first: usize, end: usize, of_block: bool) {
         let first = self.first_declaration(first, end);
         for index in first..end {
             let begins = index == first || matches!(self.kind(index - 1), Some(RawKind::Semicolon | RawKind::Comma));
