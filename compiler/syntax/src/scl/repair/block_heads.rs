@@ -1,4 +1,5 @@
-//! First lines of blocks of other languages: `FUNCTION "Sum" (a : Int) : Int`, `FUNCTION Int "Sum"`, `FUNCTION "Sum" RETURNS Int`.
+//! First lines of blocks of other languages: `FUNCTION "Sum" (a : Int) : Int`, `FUNCTION Int "Sum"`, `FUNCTION "Sum" RETURNS Int`,
+//! `FUNCTION_BLOCK "Sum" : Int`.
 
 use super::Repair;
 use super::sections::plain;
@@ -12,7 +13,11 @@ const PARAMETERS_MAX: usize = 60;
 impl Repair<'_> {
     /// A part of the first line of a block that belongs elsewhere.
     pub(super) fn foreign_head(&mut self, token: RawToken) -> bool {
-        !token.first_on_line && (self.parameters_in_head(token) || self.type_before_name(token) || self.returns(token))
+        !token.first_on_line
+            && (self.parameters_in_head(token)
+                || self.type_before_name(token)
+                || self.returns(token)
+                || self.value_of_function_block(token))
     }
 
     /// Whether the token before `at` is the name of a block.
@@ -79,6 +84,24 @@ impl Repair<'_> {
         // Its value, which is then unknown.
         self.absent.insert(plain(name), true);
         self.drop_tokens(at, at + 1);
+        true
+    }
+
+    /// `FUNCTION_BLOCK "Sum" : Int`
+    fn value_of_function_block(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let is_block = at >= 2 && self.keyword(at - 2) == Some(Keyword::FunctionBlock) && self.follows_name(at);
+        let ty = self.beside(at + 1).filter(|next| matches!(next.kind, RawKind::Word | RawKind::Quoted));
+        let Some(ty) = ty.filter(|_| is_block && token.kind == RawKind::Colon) else { return false };
+        let ty = self.slice(ty);
+        let help = match ty.eq_ignore_ascii_case("VOID") {
+            true => format!("remove `: {ty}`"),
+            false => format!("write `VAR_OUTPUT result : {ty}; END_VAR` after this line"),
+        };
+        let title = "only a function has a value of its own".to_owned();
+        self.report(at, at + 2, title, "a function block has outputs", help);
+        self.absent.insert(plain(self.words(at - 1, at - 1)), true);
+        self.drop_tokens(at, at + 2);
         true
     }
 
