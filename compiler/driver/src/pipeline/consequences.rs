@@ -87,6 +87,16 @@ pub(super) fn forget_doubtful(diagnostics: &mut Vec<Diagnostic>) {
                 | Code::MixedNumbers
         )
     };
+    // An element or a pin that is not known may write what seems to be never written.
+    let is_unknown = |message: &&Diagnostic| {
+        message.is_error() && matches!(message.code, Code::UnknownElement | Code::UnknownParameter)
+    };
+    let unknown: FxHashSet<FileId> =
+        diagnostics.iter().filter(is_unknown).map(|message| message.primary.span.file).collect();
+    diagnostics.retain(|message| {
+        let file = message.primary.span.file;
+        message.code != Code::NeverWritten || !unknown.contains(&file) && !unread.contains(&file)
+    });
     // What could not be read may be OB 1, or hide it, as a comment that is not closed does.
     let hides = |message: &Diagnostic| matches!(message.code, Code::UnterminatedText | Code::BlockFrame);
     let is_hidden = !unread.is_empty() || diagnostics.iter().any(hides);
