@@ -47,7 +47,7 @@ pub(super) fn is_duration(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_digit()) && reads()
 }
 
-/// True of `T#5s`, `16#FF` and `TRUE`.
+/// True of `T#5s`, `16#FF`, `0.5` and `TRUE`.
 pub(super) fn is_constant(name: &str) -> bool {
     const KINDS: [&str; 16] =
         ["T", "TIME", "S5T", "S5TIME", "LT", "LTIME", "D", "DATE", "TOD", "DT", "L", "C", "W", "2", "8", "16"];
@@ -56,6 +56,7 @@ pub(super) fn is_constant(name: &str) -> bool {
             KINDS.iter().any(|known| known.eq_ignore_ascii_case(kind))
                 && value.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '-')
         }
+        None if name.starts_with(|c: char| c.is_ascii_digit() || c == '-') => name.parse::<f64>().is_ok(),
         None => ["TRUE", "FALSE"].iter().any(|word| word.eq_ignore_ascii_case(name)),
     }
 }
