@@ -42,7 +42,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Whether an assignment follows: `a.b[1] := 5`.
+    /// Whether an assignment follows: `a.b[1] := 5`, or `a = 5`, which is reported with the values.
     fn value_begins(&self) -> bool {
         let mut after_name = false;
         for token in &self.tokens[self.at..] {
@@ -56,7 +56,7 @@ impl Reader<'_, '_> {
                 | RawKind::Comma
                 | RawKind::Number
                 | RawKind::Minus => after_name = false,
-                RawKind::Assign => return true,
+                RawKind::Assign | RawKind::Equal => return true,
                 _ => return false,
             }
         }
