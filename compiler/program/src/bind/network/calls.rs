@@ -16,6 +16,7 @@ use crate::bind::globals::names::kind_prefix;
 use crate::bind::network::NetworkBinder;
 use crate::bind::scl::SclBlock;
 use crate::bind::scl::callee::{Callee, block_of_name};
+use crate::bind::scl::instance::type_of_data;
 use crate::bind::scl::value::Value;
 use plcc_abi::image::BlockKind;
 use plcc_binding::fold;
@@ -32,13 +33,24 @@ impl NetworkBinder<'_, '_> {
         let element = sheet.element(at);
         let span = element.span;
         let Target::Element { row, instance: Some(instance) } = &element.target else {
-            self.scl().refuse(
-                Code::MissingOperand,
-                span,
-                &format!("{name} has no instance"),
-                "the element needs an instance for its data",
-                "declare a static variable of its type, or create an instance data block, and write its name at the element",
-            );
+            let is_instance = |ty: &DataType| match ty {
+                DataType::Struct(ty) => ty.instance_of.is_some() && ty.name.eq_ignore_ascii_case(name),
+                _ => false,
+            };
+            let own = ctx.block.bound.locals.values().filter(|local| is_instance(&local.ty));
+            let help = match own.map(|local| local.name.as_str()).min() {
+                Some(own) => format!("write its instance before it: `#{own}.{name}( … )`"),
+                None => {
+                    let declared = format!("inst{name} : {};", type_of_data(name));
+                    format!(
+                        "declare `{declared}` in VAR of a function block, and write `#inst{name}.{name}( … )`; \
+                         with an instance data block write `\"name\".{name}( … )`"
+                    )
+                }
+            };
+            let title = format!("{name} has no instance");
+            let label = "the element needs an instance for its data";
+            self.scl().refuse(Code::MissingOperand, span, &title, label, &help);
             return None;
         };
         if row.is_box() || connected(element, "en").is_some() {

@@ -110,12 +110,7 @@ impl SclBinder<'_, '_> {
     /// `#time.TON(…)` with a single value in place of the instance.
     fn no_instance(&mut self, span: Span, ty: Elementary, asked: &str) {
         let text = self.program.globals.text(span);
-        let upper = asked.to_ascii_uppercase();
-        let data = match upper.as_str() {
-            "TP" | "TON" | "TOF" | "TONR" => format!("{upper}_TIME"),
-            "CTU" | "CTD" | "CTUD" => format!("{upper}_INT"),
-            _ => asked.to_string(),
-        };
+        let data = type_of_data(asked);
         self.program.report(
             Diagnostic::new(Code::NoBlockFits, span, format!("`{text}` is not an instance of `{asked}`"))
                 .label(format!("a variable of type {}", ty.name()))
@@ -322,6 +317,16 @@ impl SclBinder<'_, '_> {
                 "declare the static variable `inst{word} : {text};` and call `#inst{word}(…)`, or define `DATA_BLOCK \"{word}_DB\" {text}` and call `\"{word}_DB\"(…)`"
             ),
         }
+    }
+}
+
+/// The data type of the instances of a block of the library, as the TIA Portal declares them.
+pub(in crate::bind) fn type_of_data(block: &str) -> String {
+    let upper = block.to_ascii_uppercase();
+    match upper.as_str() {
+        "TP" | "TON" | "TOF" | "TONR" => format!("{upper}_TIME"),
+        "CTU" | "CTD" | "CTUD" => format!("{upper}_INT"),
+        _ => block.to_string(),
     }
 }
 

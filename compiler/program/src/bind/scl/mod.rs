@@ -37,7 +37,7 @@ pub(in crate::bind) mod function;
 mod habits;
 mod iec_timer;
 mod indexed;
-mod instance;
+pub(in crate::bind) mod instance;
 mod known;
 mod memory;
 pub(in crate::bind) mod message;
