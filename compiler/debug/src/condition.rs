@@ -125,6 +125,9 @@ fn token(rest: &str, first: char) -> Result<(Token<'_>, &str), String> {
             return Ok((Token::Text(other.to_string()), after));
         }
     }
+    if first == '\'' {
+        return Err("conditions compare numbers, not texts".to_string());
+    }
     if first.is_ascii_digit() {
         let end =
             rest.find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '#'))).unwrap_or(rest.len());
@@ -271,6 +274,7 @@ mod tests {
         for (text, part) in [
             ("MW10 :=", "does not assign"),
             ("MW10 >", "not a condition"),
+            ("MW10 = 'abc'", "not texts"),
             ("", "not a condition"),
             ("\"Motor", "has no `\"`"),
             ("Nowhere > 1", "no Nowhere"),

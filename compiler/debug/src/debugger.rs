@@ -235,7 +235,10 @@ impl Debugger {
         match here.find(text) {
             Ok(found) => Ok(variables::text(here, &found)),
             Err(error) => {
-                let condition = crate::condition::Condition::parse(text).map_err(|_| error.clone())?;
+                // What compares is not a name with a slip.
+                let compares = text.contains(['=', '<', '>']);
+                let condition = crate::condition::Condition::parse(text)
+                    .map_err(|wrong| if compares { wrong } else { error.clone() })?;
                 if condition.is_name() {
                     return Err(error);
                 }
