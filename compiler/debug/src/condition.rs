@@ -202,10 +202,22 @@ fn is_operand(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '#' | '"' | '%' | '(' | '-' | '!'))
 }
 
+/// A whole number as expressions compute with it. `Err`: it would be rounded, and compared as another one.
+pub fn whole(text: &str, number: i128) -> Result<f64, String> {
+    let computed = number as f64;
+    match computed as i128 == number {
+        true => Ok(computed),
+        false => Err(format!("`{text}` has more digits than a condition compares exactly")),
+    }
+}
+
 /// A number as the expression has it. `Err`: the error.
 fn literal(text: &str) -> Result<String, String> {
     let number = text.replace('_', "");
     if !text.contains('#') {
+        if let Ok(number) = number.parse::<i128>() {
+            whole(text, number)?;
+        }
         return match number.parse::<f64>() {
             Ok(_) => Ok(number),
             Err(_) => Err(format!("`{text}` is not a number")),
@@ -226,8 +238,10 @@ fn literal(text: &str) -> Result<String, String> {
             let number = match (value.seconds(ty), value) {
                 (Some(seconds), _) => seconds,
                 (None, assertion::Value::Bits(bits)) if ty == AssertType::Lreal => f64::from_bits(bits),
-                (None, assertion::Value::Bits(bits)) if ty == AssertType::Signed(64) => bits.cast_signed() as f64,
-                (None, assertion::Value::Bits(bits)) => bits as f64,
+                (None, assertion::Value::Bits(bits)) if ty == AssertType::Signed(64) => {
+                    whole(text, bits.cast_signed().into())?
+                }
+                (None, assertion::Value::Bits(bits)) => whole(text, bits.into())?,
                 (None, _) => continue,
             };
             return Ok(format!("{number}"));
@@ -264,6 +278,7 @@ mod tests {
             ("abs(0 - MW10) == 7.0e0", 1.0),
             ("max(MW10, 1e+2)", 100.0),
             ("TRUE", 1.0),
+            ("9007199254740992 = 16#20000000000000", 1.0),
         ] {
             assert_eq!(value(text), Ok(expected), "{text}");
         }
@@ -280,6 +295,8 @@ mod tests {
             ("Nowhere > 1", "no Nowhere"),
             ("T#x", "not a value"),
             ("1x", "not a number"),
+            ("MW10 = 9007199254740993", "more digits than"),
+            ("MW10 = 16#FFFFFFFFFFFFFFFF", "more digits than"),
             (&"(".repeat(3000), "not a condition"),
             ("é§", "not a condition"),
         ] {

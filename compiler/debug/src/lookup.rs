@@ -11,7 +11,7 @@ use plcc_runtime::names::path::{Part, parts};
 use plcc_runtime::signal::{self, Signal, Source, Value};
 use plcc_runtime::typed::ValueType;
 
-use crate::condition::Condition;
+use crate::condition::{Condition, whole};
 use crate::data::{BYTES_MAX, Looked, Range};
 use crate::indices;
 use crate::places::Places;
@@ -273,10 +273,11 @@ impl<'a> Here<'a> {
         match self.find(text)? {
             Found::Register(register) => Ok(self.frame.map_or(0.0, |frame| register.number(&frame.probed).into())),
             Found::Number(number, _) => Ok(number as f64),
-            found => {
-                let value = self.value(&found).and_then(|value| value.number());
-                value.ok_or_else(|| format!("`{text}` is not a number"))
-            }
+            found => match self.value(&found) {
+                Some(Value::Bits(bits, _)) => whole(text, bits.into()),
+                Some(Value::Whole(number)) => whole(text, number),
+                value => value.and_then(|value| value.number()).ok_or_else(|| format!("`{text}` is not a number")),
+            },
         }
     }
 
