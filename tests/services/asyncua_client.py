@@ -175,6 +175,9 @@ async def parts_of_arrays(client):
     assert await ints.read_value() == [10, -1, -2, 40]
     row = ua.Variant([7, 8], V.Int32, Dimensions=[1, 2], is_array=True)
     assert await ranged(table, "1,1:2", row) == 0
+    question = ua.ReadValueId(ints.nodeid, ua.AttributeIds.Value)
+    negative = ints.session.read(ua.ReadParameters(MaxAge=-1.0, NodesToRead=[question]))
+    await refused(ua.StatusCodes.BadMaxAgeInvalid, negative)
     # Ranges count from 0, names as declared: the second index begins at 1.
     assert await node(client, '"Groups"."table"[1,2]').read_value() == 7
     assert await node(client, '"Groups"."table"[1,3]').read_value() == 8

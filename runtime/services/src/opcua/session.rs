@@ -400,8 +400,12 @@ impl Session {
 /// What a Read asks for, and which times.
 fn questions(server: &Server, right: Right, reader: &mut Reader) -> Result<(Vec<Wanted>, u32), Status> {
     let read = |reader: &mut Reader| Some((reader.f64()?, reader.u32()?, reader.list(Question::read)?));
-    let (_age, times, questions) = read(reader).ok_or(status::DECODING)?;
+    // Values are of the next cycle, however old they may be.
+    let (age, times, questions) = read(reader).ok_or(status::DECODING)?;
     check_count(questions.len())?;
+    if age < 0.0 {
+        return Err(status::MAX_AGE_INVALID);
+    }
     if times > 3 {
         return Err(status::TIMESTAMPS_INVALID);
     }

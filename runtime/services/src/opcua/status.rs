@@ -47,6 +47,7 @@ pub const POLICY_REJECTED: Status = 0x8055_0000;
 pub const TOO_MANY_SESSIONS: Status = 0x8056_0000;
 pub const SIGNATURE_INVALID: Status = 0x8058_0000;
 pub const NO_MATCH: Status = 0x806F_0000;
+pub const MAX_AGE_INVALID: Status = 0x8070_0000;
 pub const WRITE_NOT_SUPPORTED: Status = 0x8073_0000;
 pub const TYPE_MISMATCH: Status = 0x8074_0000;
 pub const TOO_MANY_SUBSCRIPTIONS: Status = 0x8077_0000;
