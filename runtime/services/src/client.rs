@@ -38,6 +38,14 @@ impl Answer {
     pub fn is_ok(&self) -> bool {
         (200..300).contains(&self.status)
     }
+
+    /// Why it is not, in words.
+    pub fn why(&self) -> String {
+        match self.text.trim() {
+            "" => format!("the process answers with {}; is its page there?", self.status),
+            text => text.to_string(),
+        }
+    }
 }
 
 /// Where the page of a process is, and how it is reached.
@@ -225,6 +233,13 @@ mod tests {
     use std::net::TcpListener;
 
     use super::*;
+
+    #[test]
+    fn an_answer_without_words_has_its_status() {
+        let answer = |text: &str| Answer { status: 405, text: text.to_string(), headers: HeaderMap::new() };
+        assert_eq!(answer("").why(), "the process answers with 405; is its page there?");
+        assert_eq!(answer("sign in first").why(), "sign in first");
+    }
 
     #[test]
     fn the_names_of_a_large_program_are_taken() {

@@ -73,7 +73,7 @@ fn send(args: &LoadArgs, program: &[u8]) -> Result<u8, String> {
     }
     match answer.is_ok() {
         true => report::say("changed"),
-        false => report::say(&format!("not changed: {}", answer.text)),
+        false => report::say(&format!("not changed: {}", answer.why())),
     }
     Ok(if answer.is_ok() { exit::OK } else { exit::FAILED })
 }
