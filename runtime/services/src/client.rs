@@ -17,7 +17,7 @@ use tokio_rustls::TlsConnector;
 use tokio_rustls::rustls::pki_types::ServerName;
 use tokio_rustls::rustls::{ClientConfig, ClientConnection, StreamOwned};
 
-use crate::tls;
+use crate::{options, tls};
 
 /// The status of an answer: values of the running program would be lost.
 pub const CONFLICT: u16 = 409;
@@ -25,6 +25,12 @@ pub const CONFLICT: u16 = 409;
 const TIME: Duration = Duration::from_secs(60);
 /// The longest answer: the names or the drawings of a large program.
 const ANSWER_MAX: usize = 64 << 20;
+
+/// Where a page is: an address as in flags, or as the process prints it: `http://127.0.0.1:8080`. `Err`: the error.
+pub fn address(text: &str) -> Result<SocketAddr, String> {
+    let place = ["http://", "https://"].iter().find_map(|scheme| text.strip_prefix(scheme));
+    options::address(place.map_or(text, |place| place.trim_end_matches('/')))
+}
 
 /// What a process has answered.
 #[derive(Clone, Debug)]
@@ -233,6 +239,16 @@ mod tests {
     use std::net::TcpListener;
 
     use super::*;
+
+    #[test]
+    fn a_page_is_named_as_it_is_printed() {
+        let page: SocketAddr = "127.0.0.1:8080".parse().unwrap();
+        for text in ["8080", "127.0.0.1:8080", "http://127.0.0.1:8080", "https://127.0.0.1:8080/"] {
+            assert_eq!(address(text), Ok(page), "{text}");
+        }
+        let told = address("http://127.0.0.1").unwrap_err();
+        assert!(told.starts_with("`127.0.0.1` is not an address with a port"), "{told}");
+    }
 
     #[test]
     fn an_answer_without_words_has_its_status() {

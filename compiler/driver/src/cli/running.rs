@@ -33,7 +33,7 @@ pub struct RunArgs {
 #[derive(Args, Debug)]
 pub struct MonitorArgs {
     /// Where the page of the process is, such as `127.0.0.1:8080`, or a port of this computer.
-    #[arg(value_name = "ADDR:PORT", value_parser = plcc_services::options::address)]
+    #[arg(value_name = "ADDR:PORT", value_parser = plcc_services::client::address)]
     pub address: std::net::SocketAddr,
     /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
     #[arg(long, value_name = "NAME")]
@@ -54,7 +54,7 @@ pub struct LoadArgs {
     #[arg(value_name = "FILE|DIR")]
     pub inputs: Vec<PathBuf>,
     /// Where the page of the process is, such as `127.0.0.1:8080`, or a port of this computer. The process needs `--allow-load`.
-    #[arg(long, value_name = "ADDR:PORT", value_parser = plcc_services::options::address)]
+    #[arg(long, value_name = "ADDR:PORT", value_parser = plcc_services::client::address)]
     pub to: std::net::SocketAddr,
     /// Name of a user of the page; the password is read from the environment variable PLCC_PASSWORD, else one line from standard input.
     #[arg(long, value_name = "NAME")]
