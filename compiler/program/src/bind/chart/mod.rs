@@ -43,7 +43,7 @@ use super::scl::temporary;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
 use crate::bind::network::NetworkBinder;
-use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::scl::{SclBinder, SclBlock, marks_locals};
 use crate::bind::trees::chart_data::{self, Members};
 use assemble::{Assembly, Condition, Features, Parts};
 use build::number;
@@ -207,6 +207,7 @@ impl ChartBinder<'_, '_> {
         let scope = Scope::new(self.program.globals.input, &block.header, dialect);
         let ctx = &mut SclBlock { block: current, scope };
         ctx.scope.address_numbers = chart.dialect == Dialect::Classic;
+        ctx.scope.marks_locals = marks_locals(&block.code);
         let sets_flag = ctx.scope.sets_flag;
         let index = Index::new(chart);
         self.check_chart(ctx, block, chart, &index);

@@ -70,6 +70,7 @@ mod call_tests;
 pub(in crate::bind) mod tests;
 
 use plcc_syntax::ast;
+use plcc_syntax::chart::ast as chart;
 use plcc_syntax::scl::ast::{Body as Tree, Dialect, ExprKind, NameForm, StatementKind};
 
 use crate::bind::declarations::Declarations;
@@ -134,12 +135,13 @@ impl SclBinder<'_, '_> {
     }
 }
 
-/// Whether a block of the TIA Portal writes its locals with `#`, so that a name in quotes is a global one. None of charts does.
+/// Whether a block of the TIA Portal writes its locals with `#`, so that a name in quotes is a global one.
 pub fn marks_locals(code: &ast::Code) -> bool {
     let is_tia = match code {
         ast::Code::Scl(body) => body.dialect == Dialect::Tia,
         ast::Code::Graphic(_) => true,
-        ast::Code::Stl(_) | ast::Code::Chart(_) => false,
+        ast::Code::Chart(body) => body.dialect == chart::Dialect::Tia,
+        ast::Code::Stl(_) => false,
     };
     if !is_tia {
         return false;
