@@ -153,7 +153,8 @@ impl<'a> Look<'_, 'a> {
                     return Some((start, vec![Step::Absolute(byte.saturating_add(width.bytes()))], at.span));
                 }
                 NodeKind::Member { base, name } => {
-                    steps.push(Step::Member(name.text.clone()));
+                    let text = name.text.strip_suffix(":P").or_else(|| name.text.strip_suffix(":p"));
+                    steps.push(Step::Member(text.unwrap_or(&name.text).to_string()));
                     at = base;
                 }
                 NodeKind::MemberAbsolute { base, width, byte, .. } => {

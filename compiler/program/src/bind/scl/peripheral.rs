@@ -59,6 +59,8 @@ impl SclBinder<'_, '_> {
         let base = match spot.root {
             Root::Fixed(path::Base::I | path::Base::Pi) => path::Base::Pi,
             Root::Fixed(path::Base::Q | path::Base::Pq) => path::Base::Pq,
+            // What stands in for a missing input or output is in no process image.
+            Root::Fixed(path::Base::Db(number)) if self.is_stand_in(number) => return Some(spot),
             Root::Fixed(_) | Root::Indexed { .. } => {
                 self.only_in_image(&text, span);
                 return None;
@@ -86,6 +88,12 @@ impl SclBinder<'_, '_> {
         }
         spot.root = Root::Fixed(base);
         Some(spot)
+    }
+
+    fn is_stand_in(&self, number: u16) -> bool {
+        let globals = &self.program.globals;
+        let data = globals.sources.data.get(&number);
+        data.is_some_and(|data| Some(data.name.span().file) == globals.input.stand_ins)
     }
 
     fn only_in_image(&mut self, text: &str, span: Span) {
