@@ -1,5 +1,7 @@
 //! Networks in STL of S7-300/400 as rungs: bits that are combined and assigned, timers and counters as coils, jumps and calls at the end.
 
+use std::collections::HashMap;
+
 use plcc_syntax::ast::{Call, Operand, Statement, StatementKind};
 use plcc_syntax::stl::{Mnemonics, StlInsn};
 
@@ -27,6 +29,9 @@ struct Maker<'a> {
     loaded: Vec<Label>,
     /// The span was assigned: only further coils follow it.
     assigned: bool,
+    /// The spans that local bits keep, and whether a branch continues them: STEP 7 writes branches like that. None: they are coils and
+    /// contacts.
+    kept: Option<HashMap<String, (Span, bool)>>,
 }
 
 /// The rungs of a network. `label` finds an operand. `Err`: why it cannot be drawn.
@@ -35,7 +40,23 @@ pub fn sheet(
     label: &dyn Fn(&Operand) -> Label,
     is_output: &dyn Fn(&str, &str) -> bool,
 ) -> Result<Sheet, String> {
+    let keeps = statements.iter().any(|statement| match &statement.kind {
+        StatementKind::Instruction { insn: StlInsn::Assign, operand: Some(operand), .. } => is_branch(&label(operand)),
+        _ => false,
+    });
+    let branched = if keeps { rungs(statements, label, is_output, true) } else { Err(String::new()) };
+    branched.or_else(|_| rungs(statements, label, is_output, false))
+}
+
+/// `branches`: local bits keep what branches continue.
+fn rungs(
+    statements: &[Statement],
+    label: &dyn Fn(&Operand) -> Label,
+    is_output: &dyn Fn(&str, &str) -> bool,
+    branches: bool,
+) -> Result<Sheet, String> {
     let mut maker = Maker {
+        kept: branches.then(HashMap::new),
         rungs: Rungs::default(),
         label,
         is_output,
@@ -67,7 +88,9 @@ pub fn sheet(
         }
     }
     let open = maker.span.is_some() && !maker.assigned || !maker.outer.is_empty();
+    let unused = maker.kept.iter().flat_map(HashMap::values).any(|(_, is_used)| !is_used);
     match () {
+        () if unused => Err("a local bit is not used".to_string()),
         () if maker.rungs.part_count() == 0 => Err(String::new()),
         () if open => Err("the result of logic at its end is not used".to_string()),
         () if !maker.loaded.is_empty() => Err("a value is loaded and not used".to_string()),
@@ -91,6 +114,9 @@ impl Maker<'_> {
     fn instruction(&mut self, insn: StlInsn, operand: Option<&Operand>, is_last: bool) -> Result<(), String> {
         use StlInsn::*;
         let label = operand.map(self.label);
+        if let (Some(bit), true) = (label.as_ref().filter(|label| is_branch(label)), self.kept.is_some()) {
+            return self.branch_bit(insn, bit.text.replace(' ', ""));
+        }
         match insn {
             And | AndNot => {
                 let sign = if insn == And { "" } else { "/" };
@@ -205,8 +231,35 @@ impl Maker<'_> {
         Ok(())
     }
 
+    /// A local bit: `= L 20.0` keeps the logic, and branches that begin with `A L 20.0` continue it.
+    fn branch_bit(&mut self, insn: StlInsn, bit: String) -> Result<(), String> {
+        if !self.outer.is_empty() || !self.loaded.is_empty() {
+            return Err("is inside of other logic".to_string());
+        }
+        match insn {
+            StlInsn::Assign => {
+                self.close_branch()?;
+                let span = self.span.ok_or("has no logic before it")?;
+                let before = self.kept.get_or_insert_default().insert(bit, (span, false));
+                if matches!(before, Some((_, false))) {
+                    return Err("is written again before it is used".to_string());
+                }
+                self.assigned = true;
+                Ok(())
+            }
+            StlInsn::And if self.span.is_none() || self.assigned => {
+                let kept = self.kept.as_mut().and_then(|kept| kept.get_mut(&bit));
+                let (span, is_used) = kept.ok_or("is no branch")?;
+                *is_used = true;
+                (self.span, self.branch, self.assigned) = (Some(Span { shared: true, ..*span }), None, false);
+                Ok(())
+            }
+            _ => Err("is no branch".to_string()),
+        }
+    }
+
     fn free(&self, span: Span) -> Result<(), String> {
-        match self.rungs.is_used(span.end) {
+        match span.shared || self.rungs.is_used(span.end) {
             true => Err("would be beside a branch that already leads elsewhere".to_string()),
             false => Ok(()),
         }
@@ -299,6 +352,10 @@ impl Maker<'_> {
         if self.span.is_some() && !self.assigned || !self.loaded.is_empty() {
             return Err("does not depend on the logic before it".to_string());
         }
+        let mut actuals = call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref());
+        if self.kept.is_some() && actuals.any(|actual| is_branch(&(self.label)(actual))) {
+            return Err("has a local bit as a parameter".to_string());
+        }
         let net = self.rungs.net();
         self.rungs.rail(Span::at(net));
         let title = (self.label)(&call.target).text;
@@ -312,6 +369,13 @@ impl Maker<'_> {
         (self.span, self.assigned) = (None, false);
         Ok(())
     }
+}
+
+/// A bit of local data by its address, `L 20.0`.
+fn is_branch(label: &Label) -> bool {
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let place = label.text.strip_prefix('L').and_then(|rest| rest.trim_start().split_once('.'));
+    place.is_some_and(|(byte, bit)| digits(byte) && digits(bit))
 }
 
 /// Coils of timers and counters, and whether they take the loaded value.
