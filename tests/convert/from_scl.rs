@@ -145,8 +145,9 @@ fn whole_sources_become_lists() {
         "library/instances_in_data_tia",
         "library/numbers_as_texts_in_lists_tia",
     ];
-    const FOR_S7_300: [&str; 4] = [
+    const FOR_S7_300: [&str; 5] = [
         "language/choices_as_lists",
+        "language/choices_of_reals_classic",
         "language/constant_texts_classic",
         "language/copied_elements",
         "language/parts_in_memory_tia",

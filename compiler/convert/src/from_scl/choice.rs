@@ -1,11 +1,19 @@
-//! SEL and MUX: one of several values, which are all computed first. Source: SCL reference, selection.
+//! SEL, MUX, MIN, MAX and LIMIT: one of several values, which are all computed first; times of a day, which begin again after 24 hours.
+//!
+//! Source: SCL reference, selection, operators.
 
-use plcc_model::scl::{CompareOp, Expr};
+use plcc_model::scl::{BinaryOp, CompareOp, Expr};
 use plcc_model::types::Elementary;
 use plcc_syntax::ast::Operand;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+
+/// The REAL that results from operations with something that is not a number.
+pub const INVALID: u32 = 0xFFFF_FFFF;
+
+/// Milliseconds of a day.
+const DAY: u64 = 86_400_000;
 
 impl Maker<'_> {
     /// `(G, IN0, IN1)`.
@@ -61,5 +69,71 @@ impl Maker<'_> {
     fn load_chosen(&mut self, ty: Elementary, chosen: &Operand) {
         let load = if ty == Elementary::Bool { StlInsn::And } else { StlInsn::Load };
         self.push(load, Some(chosen.clone()));
+    }
+
+    /// MIN or MAX of two REALs: what is not a number is the result.
+    pub fn least_or_most_real(&mut self, op: BinaryOp, left: &Expr, right: &Expr) {
+        let beyond = if op == BinaryOp::Min { StlInsn::CompareGtR } else { StlInsn::CompareLtR };
+        self.number(left);
+        let chosen = self.keep(Elementary::Real);
+        self.number(right);
+        let other = self.keep(Elementary::Real);
+        let (take, end) = (self.new_label(), self.new_label());
+        self.with_both(&chosen, beyond, &other);
+        self.jump(StlInsn::JumpIf, &take);
+        self.with_both(&other, StlInsn::CompareEqR, &other);
+        self.jump(StlInsn::JumpIf, &end);
+        self.label(&take, self.span.start);
+        self.load_and_store(Elementary::Real, other, chosen.clone());
+        self.label(&end, self.span.start);
+        // As a result of an operation, it has one of the forms that those have.
+        let one = self.constant(Elementary::Real, u64::from(1.0_f32.to_bits()));
+        self.push(StlInsn::Load, Some(chosen));
+        self.push(StlInsn::Load, Some(one));
+        self.push(StlInsn::MulR, None);
+    }
+
+    /// Jumps to the label that it returns if one of the REALs is not a number.
+    pub fn jump_if_invalid(&mut self, values: &[Operand]) -> String {
+        let label = self.new_label();
+        for value in values {
+            self.with_both(value, StlInsn::CompareEqR, value);
+            self.jump(StlInsn::JumpIfNot, &label);
+        }
+        label
+    }
+
+    /// A time of day, and milliseconds that are added to it or subtracted.
+    pub fn day_time(&mut self, op: BinaryOp, left: &Expr, right: &Expr) {
+        let insn = if op == BinaryOp::AddDay { StlInsn::AddD } else { StlInsn::SubD };
+        let [day, zero] = [DAY, 0].map(|bits| self.constant(Elementary::Dint, bits));
+        self.number(left);
+        let time = self.keep(Elementary::Dint);
+        self.number(right);
+        self.push(StlInsn::Load, Some(day.clone()));
+        self.push(StlInsn::ModD, None);
+        let step = self.keep(Elementary::Dint);
+        let (low, end) = (self.new_label(), self.new_label());
+        self.with_both(&time, insn, &step);
+        self.push(StlInsn::Transfer, Some(time.clone()));
+        self.with_both(&time, StlInsn::CompareLtD, &zero);
+        self.jump(StlInsn::JumpIf, &low);
+        self.with_both(&time, StlInsn::CompareGeD, &day);
+        self.jump(StlInsn::JumpIfNot, &end);
+        self.with_both(&time, StlInsn::SubD, &day);
+        self.push(StlInsn::Transfer, Some(time.clone()));
+        self.jump(StlInsn::Jump, &end);
+        self.label(&low, self.span.start);
+        self.with_both(&time, StlInsn::AddD, &day);
+        self.push(StlInsn::Transfer, Some(time.clone()));
+        self.label(&end, self.span.start);
+        self.push(StlInsn::Load, Some(time));
+    }
+
+    /// An instruction with two operands.
+    fn with_both(&mut self, left: &Operand, insn: StlInsn, right: &Operand) {
+        self.push(StlInsn::Load, Some(left.clone()));
+        self.push(StlInsn::Load, Some(right.clone()));
+        self.push(insn, None);
     }
 }

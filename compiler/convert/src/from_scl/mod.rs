@@ -3,7 +3,7 @@
 //! - `code`: statements, labels and variables that hold values between them.
 //! - `place`: places in memory by their names; `address`: those that AR1 points at.
 //! - `control`: IF, CASE, loops, jumps; `copy`: whole arrays and structures; `value`: numbers in ACCU1; `shift`: shifts;
-//!   `convert`: conversions; `choice`: SEL, MUX; `logic`: BOOLs in the RLO.
+//!   `convert`: conversions; `choice`: SEL, MUX …; `logic`: BOOLs in the RLO.
 //! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `text`: texts and their functions;
 //!   `number_text`: numbers as texts and back; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.

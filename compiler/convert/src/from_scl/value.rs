@@ -10,6 +10,7 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+use super::choice::INVALID;
 
 /// It makes unsigned numbers of 32 bits signed ones in the same order.
 const SIGN: u32 = 0x8000_0000;
@@ -237,6 +238,7 @@ impl Maker<'_> {
             (BinaryOp::ShiftLeft | BinaryOp::ShiftRight, _) => return self.shift(op, left, right, value),
             (BinaryOp::RotateLeft | BinaryOp::RotateRight, _) => return self.rotate(op, left, right, value),
             (BinaryOp::Min | BinaryOp::Max, _) => return self.least_or_most(op, left, right, value),
+            (BinaryOp::AddDay | BinaryOp::SubtractDay, Elementary::TimeOfDay) => return self.day_time(op, left, right),
             (BinaryOp::Power, Real) if matches!(right.kind, ExprKind::Const(bits) if bits as u32 == 2.0_f32.to_bits()) =>
             {
                 self.number(left);
@@ -261,13 +263,16 @@ impl Maker<'_> {
         let order = if op == BinaryOp::Min { CompareOp::LessEqual } else { CompareOp::GreaterEqual };
         let insn = match super::logic::comparison(order, value.ty) {
             Some(insn) if has_order(value.ty) => insn,
-            _ => {
+            of_real => {
                 let name = if op == BinaryOp::Min { "MIN" } else { "MAX" };
                 let inputs = [("IN1", left), ("IN2", right)];
-                if !self.instruction(name, &[("value", value.ty)], &inputs, value) {
-                    self.no_operator(value);
+                if self.instruction(name, &[("value", value.ty)], &inputs, value) {
+                    return;
                 }
-                return;
+                return match of_real {
+                    Some(_) => self.least_or_most_real(op, left, right),
+                    None => self.no_operator(value),
+                };
             }
         };
         self.number(left);
@@ -337,16 +342,15 @@ impl Maker<'_> {
 
     /// `(MN, IN, MX)`: without order of the limits, IN.
     fn limit(&mut self, arguments: &[Expr], value: &Expr) {
-        let at_most = super::logic::comparison(CompareOp::LessEqual, value.ty).filter(|_| has_order(value.ty));
-        let Some(at_most) = at_most else {
-            if !self.function_as_instruction(Function::Limit, arguments, value) {
-                self.no_operator(value);
-            }
+        if !has_order(value.ty) && self.function_as_instruction(Function::Limit, arguments, value) {
             return;
-        };
+        }
+        let at_most = super::logic::comparison(CompareOp::LessEqual, value.ty);
+        let Some(at_most) = at_most else { return self.no_operator(value) };
         let kept = self.all_kept(arguments);
         let [least, input, most] = &kept[..] else { return self.no_operator(value) };
         let end = self.new_label();
+        let invalid = (value.ty == Elementary::Real).then(|| self.jump_if_invalid(&kept));
         let mut choose = |first: &Operand, second: &Operand, choice: &Operand| {
             let next = self.new_label();
             self.push(StlInsn::Load, Some(first.clone()));
@@ -363,6 +367,12 @@ impl Maker<'_> {
         choose(least, most, input);
         choose(least, input, least);
         choose(input, most, most);
+        if let Some(invalid) = invalid {
+            self.jump(StlInsn::Jump, &end);
+            self.label(&invalid, self.span.start);
+            self.dword_constant(StlInsn::Load, INVALID);
+            self.push(StlInsn::Transfer, Some(input.clone()));
+        }
         self.label(&end, self.span.start);
         self.push(StlInsn::Load, Some(input.clone()));
     }
@@ -383,7 +393,7 @@ pub fn is_plain(value: &Expr) -> bool {
         }
         ExprKind::Binary { op, left, right } => {
             let jumps = match op {
-                BinaryOp::Min | BinaryOp::Max => true,
+                BinaryOp::Min | BinaryOp::Max | BinaryOp::AddDay | BinaryOp::SubtractDay => true,
                 BinaryOp::ShiftLeft | BinaryOp::ShiftRight => {
                     super::shift::is_limited(right.ty) && !matches!(right.kind, ExprKind::Const(_))
                 }
@@ -397,9 +407,7 @@ pub fn is_plain(value: &Expr) -> bool {
                 | BinaryOp::Or
                 | BinaryOp::Xor
                 | BinaryOp::RotateLeft
-                | BinaryOp::RotateRight
-                | BinaryOp::AddDay
-                | BinaryOp::SubtractDay => false,
+                | BinaryOp::RotateRight => false,
             };
             !jumps && is_plain(left) && is_plain(right)
         }
