@@ -155,7 +155,9 @@ impl Maker<'_> {
     /// An element of an array, or a component of one, or a view of other variables, or a part of one of these.
     fn element(&mut self, access: &Access, place: &Place) -> Option<Through> {
         let has_indices = !access.indices.is_empty();
-        if has_indices && !matches!(place, Place::Instance { .. }) {
+        // Numbers of characters have been looked at.
+        let is_unchecked = has_indices && self.known_index.is_none();
+        if is_unchecked && !matches!(place, Place::Instance { .. }) {
             self.warn_of_indices(access.span);
         }
         let interface = &self.block.interface;
@@ -199,7 +201,7 @@ impl Maker<'_> {
                 let found = interface.instance.iter().rfind(|one| one.byte <= *byte);
                 let root = found.map(|one| (one.name.clone(), place_bits(one.byte, one.bit)));
                 let Some((name, start)) = root else { return self.no_address(access.span) };
-                if has_indices && !self.is_chart_data(&name) {
+                if is_unchecked && !self.is_chart_data(&name) {
                     self.warn_of_indices(access.span);
                 }
                 self.load_address_of(&name);
@@ -284,19 +286,24 @@ impl Maker<'_> {
         let mut lowest = 0;
         let mut sum: Option<Operand> = None;
         for (at, index) in indices.iter().enumerate() {
+            let known = self.known_index.take();
             let low = match index.bounds {
                 IndexBounds::Known(low, _) => low,
                 IndexBounds::Open { .. } => {
                     self.refuse(span, "an element of ARRAY[*]", "declare the bounds of the array");
                     return None;
                 }
+                IndexBounds::Characters { .. } if known.is_some() => 1,
                 IndexBounds::Characters { .. } => {
                     self.refuse(span, "a character that a text may not have", "leave the block in SCL");
                     return None;
                 }
             };
             lowest += i64::from(low) * i64::from(index.stride);
-            self.number(&index.value);
+            match known {
+                Some(known) => self.push(StlInsn::Load, Some(known)),
+                None => self.number(&index.value),
+            }
             self.times(index.stride);
             if let Some(sum) = &sum {
                 self.push(StlInsn::Load, Some(sum.clone()));

@@ -6,6 +6,7 @@ use plcc_syntax::ast::{Operand, OperandKind, PathPart};
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+use super::character::is_character;
 use super::code::number;
 
 /// A loop around the current statement.
@@ -122,6 +123,9 @@ impl Maker<'_> {
     fn assign(&mut self, target: &Access, value: &Expr) {
         if !self.has_type(value) {
             return;
+        }
+        if is_character(target) {
+            return self.store_character(target, value);
         }
         let Some(target) = self.target(target, self.keeps_ar1(value)) else { return };
         match value.ty {

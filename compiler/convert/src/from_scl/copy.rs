@@ -119,7 +119,7 @@ impl Maker<'_> {
     }
 
     /// The address of a variable, in another one.
-    fn stored_address(&mut self, access: &Access) -> Option<Target> {
+    pub fn stored_address(&mut self, access: &Access) -> Option<Target> {
         let through = self.address(access)?;
         Some(Target::Stored(through, self.keep(Elementary::Dword)))
     }

@@ -5,7 +5,7 @@
 //! - `control`: IF, CASE, loops, jumps; `copy`: whole arrays and structures; `value`: numbers in ACCU1; `shift`: shifts;
 //!   `convert`: conversions; `choice`: SEL, MUX …; `logic`: BOOLs in the RLO.
 //! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `text`: texts and their functions;
-//!   `number_text`: numbers as texts and back; `cell`: timers and counters.
+//!   `character`: their characters; `number_text`: numbers as texts and back; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
 //! - `networks`: networks in SCL among those of LAD and FBD.
 //! - `chart`: what charts declare, and what their statements expect.
@@ -17,6 +17,7 @@
 mod address;
 mod call;
 mod cell;
+mod character;
 mod chart;
 mod choice;
 mod code;
@@ -163,6 +164,8 @@ struct Maker<'a> {
     result: Option<Operand>,
     /// Inputs of the function that are copies, by parameter.
     copies: HashMap<usize, Operand>,
+    /// The number of the character whose address comes next.
+    known_index: Option<Operand>,
     /// Variables of the typed tree that no source declares, by their first bit in the frame.
     hidden: HashMap<u32, (Operand, Elementary)>,
     /// OK or ENO of the block.
@@ -201,6 +204,7 @@ impl<'a> Maker<'a> {
             end: None,
             result: None,
             copies: HashMap::new(),
+            known_index: None,
             hidden: HashMap::new(),
             flag: None,
             last_eno: None,

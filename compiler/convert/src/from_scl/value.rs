@@ -10,6 +10,7 @@ use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
+use super::character::is_character;
 use super::choice::INVALID;
 
 /// It makes unsigned numbers of 32 bits signed ones in the same order.
@@ -26,6 +27,7 @@ impl Maker<'_> {
                 let operand = self.constant(value.ty, *bits);
                 self.push(StlInsn::Load, Some(operand));
             }
+            ExprKind::Load(access) if is_character(access) => self.load_character(access, value.ty),
             ExprKind::Load(access) => {
                 if let Some(target) = self.target(access, true) {
                     let operand = self.reach(&target, value.ty);
@@ -439,5 +441,5 @@ fn has_plain_indices(value: &Expr) -> bool {
             area && is_plain(byte) && bit.as_deref().is_none_or(is_plain)
         }
     };
-    base && access.indices.iter().all(|index| is_plain(&index.value))
+    base && !is_character(access) && access.indices.iter().all(|index| is_plain(&index.value))
 }
