@@ -129,12 +129,13 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 15] = [
+    const SOURCES: [&str; 16] = [
         "language/case_of_small_and_unsigned_tia",
         "language/characters_of_texts_tia",
         "language/choices_as_lists",
         "language/copied_elements",
         "language/dtl_constants_tia",
+        "language/eno_of_functions_as_lists_tia",
         "language/instructions_as_lists_tia",
         "language/output_to_a_peripheral_tia",
         "language/parts_in_memory_tia",

@@ -36,6 +36,8 @@ impl Maker<'_> {
         let mark = self.mark();
         self.refused = false;
         match &statement.kind {
+            StatementKind::Watch(on) => self.watches = *on,
+            _ if self.watches => self.watched(statement),
             StatementKind::Assign { target, value } => self.assign(target, value),
             StatementKind::AssignText { target, value } => self.assign_text(target, value, statement),
             StatementKind::Copy { target, source, bytes } => self.copy(target, source, *bytes, statement),
@@ -92,9 +94,6 @@ impl Maker<'_> {
             }
             // A block whose errors clear the bit is refused as a whole.
             StatementKind::Failed => {}
-            StatementKind::Watch(_) => {
-                self.refuse(statement.span, "the ENO of this function", "call it without `ENO =>`");
-            }
             StatementKind::Assert(_) | StatementKind::Sleep(_) | StatementKind::Apart => {}
             StatementKind::Stl(_) => self.refuse(statement.span, "a statement that is STL already", "write it in STL"),
         }
@@ -120,7 +119,7 @@ impl Maker<'_> {
 
     // Assignments.
 
-    fn assign(&mut self, target: &Access, value: &Expr) {
+    pub fn assign(&mut self, target: &Access, value: &Expr) {
         if !self.has_type(value) {
             return;
         }

@@ -103,14 +103,18 @@ impl Maker<'_> {
             let constant = self.constant(value.ty, bits);
             return self.push(StlInsn::Load, Some(constant));
         }
-        let types = [("src", operand.ty), ("dest", value.ty)];
-        if let Some(name) = instruction_of(conversion, operand.ty, value.ty)
-            && self.instruction(name, &types, &[("IN", operand)], value)
-        {
+        if self.conversion_as_instruction(conversion, operand, value) {
             return;
         }
         self.number(operand);
         self.convert_loaded(conversion, operand.ty, value.ty, value.span);
+    }
+
+    /// The same by an instruction; false: the conversion needs none, or the CPU does not have it in STL.
+    pub fn conversion_as_instruction(&mut self, conversion: Conversion, operand: &Expr, value: &Expr) -> bool {
+        let types = [("src", operand.ty), ("dest", value.ty)];
+        let name = instruction_of(conversion, operand.ty, value.ty);
+        name.is_some_and(|name| self.instruction(name, &types, &[("IN", operand)], value))
     }
 
     /// Converts the value in ACCU1, which is not a BOOL.

@@ -4,7 +4,7 @@
 //! - `place`: places in memory by their names; `address`: those that AR1 points at.
 //! - `control`: IF, CASE, loops, jumps; `copy`: whole arrays and structures; `value`: numbers in ACCU1; `shift`: shifts;
 //!   `convert`: conversions; `choice`: SEL, MUX …; `logic`: BOOLs in the RLO.
-//! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `text`: texts and their functions;
+//! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `watch`: ENO of these; `text`: texts and their functions;
 //!   `character`: their characters; `number_text`: numbers as texts and back; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
 //! - `networks`: networks in SCL among those of LAD and FBD.
@@ -33,6 +33,7 @@ mod position;
 mod shift;
 mod text;
 mod value;
+mod watch;
 
 use std::collections::{HashMap, HashSet};
 
@@ -164,6 +165,8 @@ struct Maker<'a> {
     result: Option<Operand>,
     /// Inputs of the function that are copies, by parameter.
     copies: HashMap<usize, Operand>,
+    /// Errors of the next statement clear the bit of the block.
+    watches: bool,
     /// The number of the character whose address comes next.
     known_index: Option<Operand>,
     /// Variables of the typed tree that no source declares, by their first bit in the frame.
@@ -204,6 +207,7 @@ impl<'a> Maker<'a> {
             end: None,
             result: None,
             copies: HashMap::new(),
+            watches: false,
             known_index: None,
             hidden: HashMap::new(),
             flag: None,
