@@ -477,11 +477,18 @@ pub fn register_offset(
     match offset {
         Literal::Pointer(bits) if bits < 4096 * 8 => Some((register, bits)),
         _ => {
+            let text = state.text.get(range.clone()).unwrap_or_default();
+            let (byte, bit) = text.split_once('.').unwrap_or((text, "0"));
+            let is_number = !byte.is_empty() && byte.bytes().all(|digit| digit.is_ascii_digit());
+            let help = match bit.as_bytes() {
+                [b'0'..=b'7'] if is_number && byte.len() <= 4 => format!("write `P#{byte}.{bit}`"),
+                _ => "write e.g. `[AR1,P#0.0]`".to_owned(),
+            };
             let span = state.span(range);
             state.report(
                 Diagnostic::new(Code::OperandKind, span, "an offset to an address register is written as `P#byte.bit`")
                     .label("not an offset from P#0.0 to P#4095.7")
-                    .help("write e.g. `[AR1,P#0.0]`"),
+                    .help(help),
             );
             None
         }

@@ -132,6 +132,10 @@ pub fn call(text: &str, keyword: Span, target: &Operand, instance: Option<&Opera
                 "the CPU itself calls the organization blocks: put what several blocks do into an FC, and call that"
                     .to_owned()
             }
+            // `CALL t1` for an instance `t1`
+            None if matches!(target.kind, OperandKind::Cell { .. }) => {
+                format!("an instance of the block has `#` before its name: write `CALL #{shown}`")
+            }
             None if matches!(form(&target.kind), Form::Block(BlockPrefix::Db)) => {
                 format!("write the function block before its data: `CALL FB …, {shown}`")
             }
@@ -467,6 +471,9 @@ fn mismatch(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: 
                 let bit = format!("{} {shown}", single.mnemonic(set));
                 match wide_addresses(shown) {
                     Some((byte, word)) => format!("name `{byte}` or `{word}`, or use `{bit}` for the bit"),
+                    None if matches!(operand.kind, OperandKind::RegisterIndirect { area: None, .. }) => format!(
+                        "write `{written} B {shown}`, `{written} W {shown}` or `{written} D {shown}`, or use `{bit}` for the bit"
+                    ),
                     None => format!("name a byte, word or double word, or use `{bit}` for the bit"),
                 }
             })

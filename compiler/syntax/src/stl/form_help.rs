@@ -44,6 +44,12 @@ pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
         let (block, number) = (&state.text[*block..*block_end], &state.text[*at_start..*at_end]);
         return Some(format!("write `{block}.{letters} {number}`, where the number counts bytes"));
     }
+    // `A [MD 20]`
+    if matches!(tokens, [.., (_, Tok::Insn(_), _), (_, Tok::LeftBracket, _)]) {
+        let area = if matches!(insn, StlInsn::Load | StlInsn::Transfer) { "MW" } else { "M" };
+        let mnemonic = insn.mnemonic(state.rules);
+        return Some(format!("the area is missing before the pointer: write e.g. `{mnemonic} {area} {rest}`"));
+    }
     let is_cell = matches!(tokens, [.., (_, Tok::Cell(_), _), (_, Tok::Address(_), _)]);
     let set = state.rules;
     match at {
@@ -51,8 +57,8 @@ pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
         Tok::Dot if is_cell => {
             let name = after.strip_prefix('.')?.trim();
             let mnemonic = match name.to_ascii_uppercase().as_str() {
-                "Q" => insn.mnemonic(set),
-                "ET" | "CV" => StlInsn::Load.mnemonic(set),
+                "Q" | "DN" => insn.mnemonic(set),
+                "ET" | "CV" | "ACC" => StlInsn::Load.mnemonic(set),
                 _ => return None,
             };
             Some(format!("it has no components: write `{mnemonic} {before}`"))

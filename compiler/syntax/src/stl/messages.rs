@@ -357,6 +357,11 @@ fn parameter_help(state: &State, at: &Spanned, before: &Spanned) -> Option<Strin
     let is_pointer = operand.get(..2).is_some_and(|letters| letters.eq_ignore_ascii_case("P#"));
     let count = state.tokens.get(index + 1).map(text).filter(|count| count.bytes().all(|digit| digit.is_ascii_digit()));
     let count = count.filter(|count| !count.is_empty()).unwrap_or("1");
+    // `P#M 0.0 BYTE8`
+    let letters = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    if is_pointer && letters.len() < word.len() && is_type(letters) {
+        return Some(format!("write `{operand} {letters} {}`", &word[letters.len()..]));
+    }
     match word.strip_suffix('S').filter(|singular| is_type(singular)) {
         Some(singular) if is_pointer => Some(format!("write `{operand} {singular} {count}`")),
         None if is_type(&word) && !is_pointer => {

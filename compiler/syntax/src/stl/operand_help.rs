@@ -53,6 +53,14 @@ pub fn of(set: Mnemonics, insn: StlInsn, written: &str, shown: &str, operand: &O
             let word = written.strip_suffix(['W', 'w'])?;
             Some(format!("write `{word}D {shown}`, which works on double words"))
         }
+        (OperandClass::LoadAr1 | OperandClass::LoadAr2, OperandKind::Literal(Literal::Int(number @ 0..=4095))) => {
+            Some(format!("write `{written} P#{number}.0`, which is the first bit of byte {number}"))
+        }
+        (_, OperandKind::Status(_))
+            if insn == StlInsn::Assign && ["BR", "BIE"].iter().any(|bit| bit.eq_ignore_ascii_case(shown)) =>
+        {
+            Some("write `SAVE`, which copies the RLO to BR".to_owned())
+        }
         (
             OperandClass::LoadAr1 | OperandClass::LoadAr2 | OperandClass::TransferAr1 | OperandClass::TransferAr2,
             kind,

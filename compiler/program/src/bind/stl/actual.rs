@@ -150,8 +150,10 @@ impl StlBinder<'_, '_> {
                 message.help(format!("name {} or a variable of type {wanted}", address_of_type(*ty, &text)))
             }
             (DataType::Parameter(ParameterType::Any | ParameterType::Variant), _) => {
+                let is_pointer = text.get(..2).is_some_and(|sign| sign.eq_ignore_ascii_case("P#"));
                 message.help(match rewrite::any_pointer(&text) {
                     Some(pointer) => format!("write `{pointer}`, or name a variable"),
+                    None if is_pointer => format!("write the type and the number after it, as in `{text} BYTE 1`"),
                     None => "name a variable, or write a pointer to an area: `P#`, its first bit, a type and a number"
                         .to_string(),
                 })

@@ -161,6 +161,9 @@ impl<'a> Classifier<'a, '_> {
                     Some(address) => format!("write `{address}`"),
                     None => match self.parted_address(text) {
                         Some(address) => format!("write `{address}`, without a blank at the point"),
+                        None if let Some((name, number)) = text.split_once('.').filter(|_| text.starts_with('#')) => {
+                            format!("write `{name}[{number}]` for an element of an array; a component has a name")
+                        }
                         None => match self.address_of_two(text) {
                             Some(address) => {
                                 format!("an address has the number of a byte and that of a bit: `{address}`")
