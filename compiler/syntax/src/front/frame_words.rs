@@ -53,7 +53,7 @@ const OTHERS: [&str; 10] =
     ["BEGIN", "CONST", "END_CONST", "LABEL", "END_LABEL", "STRUCT", "PROGRAM", "END_PROGRAM", "NETWORK", "END_NETWORK"];
 
 /// Words of other languages and tools for a keyword.
-const ALIASES: [(&str, &str); 21] = [
+const ALIASES: [(&str, &str); 26] = [
     ("VAR_IN", "VAR_INPUT"),
     ("VAR_OUT", "VAR_OUTPUT"),
     ("VAR_STAT", "VAR"),
@@ -75,6 +75,11 @@ const ALIASES: [(&str, &str); 21] = [
     ("INSTANCE_DB", "DATA_BLOCK"),
     ("INSTANCE_DATA_BLOCK", "DATA_BLOCK"),
     ("END_UDT", "END_TYPE"),
+    ("END_OB", "END_ORGANIZATION_BLOCK"),
+    ("END_ORGANIZATION", "END_ORGANIZATION_BLOCK"),
+    ("END_FB", "END_FUNCTION_BLOCK"),
+    ("END_FC", "END_FUNCTION"),
+    ("END_DB", "END_DATA_BLOCK"),
 ];
 
 /// Number of characters of the longest word that may be a misspelt keyword.
