@@ -81,7 +81,7 @@ pub struct RunOptions {
     #[arg(long, value_name = "FILE")]
     pub alarm_log: Option<PathBuf>,
     /// TCP port of ISO-on-TCP connections [default: 102, which only a privileged process may open]
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", value_parser = parse_port)]
     pub iso_port: Option<u16>,
     /// Longest host time of a cycle under the virtual clock [default: 10s]
     #[arg(long, value_name = "TIME", value_parser = parse_duration)]
@@ -208,6 +208,11 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
         None => format!("`{text}` is not a time; write a number with the unit us, ms, s, m or h, as in 1.5s"),
     };
     duration::span(text).map(Duration).ok_or_else(wrong)
+}
+
+/// Parses the number of a TCP port. `Err`: the error.
+fn parse_port(text: &str) -> Result<u16, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a port: ports are 1 to 65535"))
 }
 
 /// Splits lists at commas, but not inside quotes, parentheses or brackets.

@@ -105,9 +105,16 @@ pub fn address(text: &str) -> Result<SocketAddr, String> {
     if let Ok(port) = text.parse::<u16>() {
         return Ok(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port));
     }
-    socket_address(text).ok_or_else(|| match text.bytes().all(|digit| digit.is_ascii_digit()) {
-        true => format!("`{text}` is not a port: ports are 1 to 65535"),
-        false => format!("`{text}` is not an address with a port, as in 127.0.0.1:10102"),
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|digit| digit.is_ascii_digit());
+    socket_address(text).ok_or_else(|| match text.rsplit_once(':') {
+        None if is_number(text) => format!("`{text}` is not a port: ports are 1 to 65535"),
+        Some((_, port)) if is_number(port) && port.parse::<u16>().is_err() => {
+            format!("`{port}` is not a port: ports are 1 to 65535")
+        }
+        Some(("", port)) if is_number(port) => {
+            format!("`{text}` has no address: write {port} for clients on this computer, 0.0.0.0:{port} for all")
+        }
+        _ => format!("`{text}` is not an address with a port, as in 127.0.0.1:10102"),
     })
 }
 
@@ -508,6 +515,9 @@ mod tests {
         assert_eq!(address("0.0.0.0:102"), Ok("0.0.0.0:102".parse().unwrap()));
         assert_eq!(address("[::1]:102"), Ok("[::1]:102".parse().unwrap()));
         assert_eq!(address("localhost:102"), address("102"));
+        let no_port = "`99999` is not a port: ports are 1 to 65535".to_string();
+        assert_eq!((address("99999"), address("0.0.0.0:99999")), (Err(no_port.clone()), Err(no_port)));
+        assert!(address(":102").is_err_and(|told| told.contains("write 102 for clients on this computer")));
         for text in ["", "65536", "localhost", "127.0.0.1", ":102"] {
             assert!(address(text).is_err(), "{text}");
         }

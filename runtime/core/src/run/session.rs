@@ -138,6 +138,9 @@ pub(super) fn prepare(cpu: &Cpu, options: &RunOptions, out: Box<dyn Write>) -> R
         let other = "--restart reset gives retentive data their start values once";
         return Err(format!("--restart cold: an {family} has no cold restart; {other}"));
     }
+    if options.stop_on_error && cpu.image.profile.family != Family::S7200 {
+        return Err("--stop-on-error is about errors after which an S7-200 goes on; leave it out".to_string());
+    }
     cpu.check_retentive_file()?;
     let scenario = options.scenario.as_deref().map(|path| Scenario::read(path, &cpu.image)).transpose()?;
     let player = Player::new(scenario.unwrap_or_default(), cpu)?.print_to(out, options.json);
