@@ -84,6 +84,8 @@ fn wrong_flags_are_usage_errors() {
         (&["--trace-signals", "MW0"], "--trace-signals is about a trace, and there is none: add --trace FILE.csv"),
         (&["--trace-step", "1s"], "add --trace FILE.csv"),
         (&["--scenario", "missing.toml"], "missing.toml"),
+        (&["--scenario", "pips.toml"], "did you mean `pipe.toml`?"),
+        (&["--scenario", "program.stl"], "program.stl is no scenario, which is a file in TOML"),
         (&["--iso-port", "70000"], "`70000` is not a port: ports are 1 to 65535"),
         (&["--stop-on-error"], "--stop-on-error is about errors after which an S7-200 goes on"),
         (&["--restart", "hot"], "--restart hot: only a CPU of the S7-400 has hot restarts"),

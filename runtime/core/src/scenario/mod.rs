@@ -8,6 +8,7 @@ mod trains;
 use std::path::Path;
 
 use plcc_abi::ProgramImage;
+use plcc_literal::distance::nearest;
 
 use crate::events::Event;
 use crate::plant::Plant;
@@ -88,8 +89,18 @@ impl Scenario {
     pub fn read(path: &Path, image: &ProgramImage) -> Result<Scenario, String> {
         let file = path.display().to_string();
         let text = crate::files::regular(path).and_then(|()| std::fs::read_to_string(path));
-        let text = text.map_err(|error| format!("cannot read scenario {file}: {error}"))?;
-        Scenario::parse(&file, &text, image)
+        let text = text.map_err(|error| {
+            let near = near(path).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            format!("cannot read scenario {file}: {error}{near}")
+        })?;
+        Scenario::parse(&file, &text, image).map_err(|error| {
+            let is_toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+            match path.file_name().is_some_and(|name| name == "plc.toml") {
+                true => format!("{file} has the settings of a project, and is no scenario"),
+                false if is_toml => error,
+                false => format!("{file} is no scenario, which is a file in TOML with entries `[[at]]`"),
+            }
+        })
     }
 
     /// As [`read`](Scenario::read), from text.
@@ -105,6 +116,18 @@ impl Scenario {
         };
         self.entries.iter().map(cycle).max()
     }
+}
+
+/// The file in the folder of `path` whose name resembles its name.
+fn near(path: &Path) -> Option<String> {
+    let wanted = path.file_name()?.to_string_lossy().into_owned();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.retain(|name| *name != wanted);
+    names.sort();
+    let meant = nearest(&wanted, names.iter().map(String::as_str))?;
+    Some(path.with_file_name(meant).display().to_string())
 }
 
 #[cfg(test)]
