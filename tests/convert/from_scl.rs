@@ -129,7 +129,7 @@ fn statements_of_scl_as_lists_do_the_same() {
 /// Sources of which every block becomes STL.
 #[test]
 fn whole_sources_become_lists() {
-    const SOURCES: [&str; 16] = [
+    const SOURCES: [&str; 17] = [
         "language/case_of_small_and_unsigned_tia",
         "language/characters_of_texts_tia",
         "language/choices_as_lists",
@@ -145,6 +145,7 @@ fn whole_sources_become_lists() {
         "language/text_functions_tia",
         "library/instances_as_lists_tia",
         "library/instances_in_data_tia",
+        "library/moments_in_lists_tia",
         "library/numbers_as_texts_in_lists_tia",
     ];
     const FOR_S7_300: [&str; 5] = [

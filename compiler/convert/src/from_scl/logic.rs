@@ -224,6 +224,11 @@ impl Maker<'_> {
     }
 
     fn compare(&mut self, op: CompareOp, left: &Expr, right: &Expr) {
+        if let (ExprKind::Call(call), ExprKind::Const(0)) = (&left.kind, &right.kind)
+            && self.compare_order(op, call)
+        {
+            return;
+        }
         let is_order = !matches!(op, CompareOp::Equal | CompareOp::NotEqual);
         let insn = match left.ty {
             // `pair` makes DINT of them.

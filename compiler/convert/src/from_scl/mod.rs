@@ -5,7 +5,7 @@
 //! - `control`: IF, CASE, loops, jumps; `copy`: whole arrays and structures; `value`: numbers in ACCU1; `shift`: shifts;
 //!   `convert`: conversions; `choice`: SEL, MUX …; `logic`: BOOLs in the RLO.
 //! - `call`: calls of blocks; `instruction`: those of instructions of an S7-1500; `watch`: ENO of these; `text`: texts and their functions;
-//!   `character`: their characters; `number_text`: numbers as texts and back; `cell`: timers and counters.
+//!   `character`: their characters; `number_text`: numbers as texts and back; `moment`: DTL; `cell`: timers and counters.
 //! - `position`: where the parts of a statement are in the source, so that comments stay in their branch.
 //! - `networks`: networks in SCL among those of LAD and FBD.
 //! - `chart`: what charts declare, and what their statements expect.
@@ -26,6 +26,7 @@ mod convert;
 mod copy;
 mod instruction;
 mod logic;
+mod moment;
 mod networks;
 mod number_text;
 mod place;

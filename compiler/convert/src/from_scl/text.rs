@@ -74,7 +74,8 @@ impl Maker<'_> {
         let found = match callee.kind {
             BlockKind::Sfc => {
                 let own = callee.name.strip_suffix("_WSTRING").unwrap_or(&callee.name);
-                match FUNCTIONS.into_iter().find(|name| *name == own) {
+                let same = FUNCTIONS.into_iter().find(|name| *name == own);
+                match same.or_else(|| super::moment::instruction_of(own)) {
                     Some(name) => TextInstruction::plain(name),
                     None => super::number_text::conversion(callee, call)?,
                 }
