@@ -320,8 +320,9 @@ impl<'f> Ranges<'f> {
     /// How often the loop of a parameter that changes by `step` begins a pass at most; `None`: it may wrap.
     fn passes(&self, param: Value, step: Step) -> Option<i64> {
         let range = self.values[param.index()]?;
-        let by = step.constant()?;
-        step.keeps(range).then(|| (range.hi - range.lo) / by.abs() + 1)
+        let by = i128::from(step.constant()?);
+        let passes = (i128::from(range.hi) - i128::from(range.lo)) / by.abs() + 1;
+        i64::try_from(passes).ok().filter(|_| step.keeps(range))
     }
 
     /// What a parameter of a loop can be in the first pass.
