@@ -33,7 +33,7 @@ use plcc_syntax::symbols::SymbolTable;
 use rustc_hash::FxHashSet;
 
 use consequences::{forget_absent, forget_doubtful, forget_lost, forget_not_connected};
-use cpu::{order_of, pragma_profile, profile_of};
+use cpu::{check_pragmas, order_of, pragma_profile, profile_of};
 
 use crate::axes;
 use crate::beginning;
@@ -233,6 +233,7 @@ fn name_tables(diagnostics: &mut [Diagnostic], tables: &[String]) {
 /// Resolves names, types and addresses.
 pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let Parsed { name, mut sources, units, tables, project, mut diagnostics } = parsed;
+    check_pragmas(settings, &units, &mut diagnostics);
     let profile = match pragma_profile(settings, &units) {
         Some(profile) => profile,
         None => profile_of(settings, project.as_ref(), &units, &mut sources, &mut diagnostics),

@@ -18,6 +18,19 @@ pub(super) fn pragma_profile(settings: &Settings, units: &[(FileId, SourceUnit)]
     names.filter_map(profile_named).rfind(|profile| plcc_program::runs(profile, units))
 }
 
+/// Reports each `//@ cpu` of a test file that names a CPU which does not run the sources. Binding reports names that no CPU has.
+pub(super) fn check_pragmas(settings: &Settings, units: &[(FileId, SourceUnit)], diagnostics: &mut Vec<Diagnostic>) {
+    if !settings.pragmas {
+        return;
+    }
+    for pragma in units.iter().flat_map(|(_, unit)| &unit.pragmas) {
+        let name = pragma.text.strip_prefix("cpu").map(str::trim).filter(|name| profile::lookup(name).is_some());
+        if let Some(Err((title, help))) = name.map(|name| named(name, units)) {
+            diagnostics.push(Diagnostic::new(Code::UnknownCpu, pragma.span, title).help(help));
+        }
+    }
+}
+
 fn profile_named(name: &str) -> Option<Profile> {
     match name.strip_prefix("accus=") {
         Some("2") => Some(profile::generic(Family::S7300)),
@@ -41,10 +54,21 @@ pub(super) fn profile_of(
         (None, Some((name, span))) => (name, Some(span)),
         (None, None) => return generic,
     };
+    let (title, help) = match named(&name, units) {
+        Ok(profile) => return profile,
+        Err(refusal) => refusal,
+    };
+    let span = span.unwrap_or_else(|| Span::new(sources.add(SourceFile::new("--cpu", name.clone())), 0..name.len()));
+    diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
+    generic
+}
+
+/// The CPU of this name; or title and help of the message that it is not one, or not one that runs the sources.
+fn named(name: &str, units: &[(FileId, SourceUnit)]) -> Result<Profile, (String, String)> {
     let is_s7200 = plcc_program::is_s7200(units);
     let one_of = || format!("one of {}", profile::s7200::names().join(", "));
-    let (title, help) = match profile::lookup(&name) {
-        Some(profile) if plcc_program::runs(&profile, units) => return profile,
+    Err(match profile::lookup(name) {
+        Some(profile) if plcc_program::runs(&profile, units) => return Ok(profile),
         Some(profile) if is_s7200 => (format!("`{}` does not run programs of the S7-200", profile.name), one_of()),
         Some(profile) if profile.family == Family::S71200 => (
             format!("`{}` has no STL; it runs LAD, FBD and SCL", profile.name),
@@ -55,11 +79,8 @@ pub(super) fn profile_of(
             "choose another CPU; a source of Micro/WIN has instructions such as `LD` and `MOVW`".to_string(),
         ),
         None if is_s7200 => (format!("plcc does not know the CPU `{name}`"), one_of()),
-        None => (format!("plcc does not know the CPU `{name}`"), profile::help(&name)),
-    };
-    let span = span.unwrap_or_else(|| Span::new(sources.add(SourceFile::new("--cpu", name.clone())), 0..name.len()));
-    diagnostics.push(Diagnostic::new(Code::UnknownCpu, span, title).help(help));
-    generic
+        None => (format!("plcc does not know the CPU `{name}`"), profile::help(name)),
+    })
 }
 
 /// The order number of the CPU, as far as it is known: that of a station, of the command line or of plc.toml, else how those of this CPU begin.
