@@ -308,6 +308,21 @@ const SHAPES: &[Shape] = &[
             )
         },
     },
+    Shape {
+        name: "wires without their sign",
+        ending: "s7dcl",
+        size: 125,
+        text: |n| ladder(&lines(n, |i| format!("RUNG wire#powerrail Contact( %M{}.0 ) END_RUNG w{i}\n", i % 1000))),
+    },
+    Shape {
+        name: "open indices of an S7-200",
+        ending: "awl",
+        size: 1000,
+        text: |n| {
+            let indices = "VB[VW0 ".repeat(n);
+            format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nMOVW {indices}\nEND_ORGANIZATION_BLOCK\n")
+        },
+    },
     Shape { name: "messages", ending: "scl", size: 250, text: |n| scl("", &lines(n, |i| format!("#x{i} := 1;\n"))) },
 ];
 

@@ -25,8 +25,9 @@ impl<'a> Classifier<'a, '_> {
         self.take_wire(Tok::Wire(name));
     }
 
-    /// The current word behind `END_RUNG`, if another rung of the network has a wire of this name.
+    /// The current word after `END_RUNG`, if another rung near it has a wire of this name.
     pub(super) fn bare_wire(&self) -> Option<&'a str> {
+        const LOOK_MAX: usize = 500;
         let token = self.raw.get(self.at).filter(|token| !token.first_on_line)?;
         let text: &'a str = self.text;
         let name = text[token.range()].trim_start_matches('#');
@@ -35,7 +36,8 @@ impl<'a> Classifier<'a, '_> {
             wire && text[self.raw[at + 1].range()].trim_start_matches('#').eq_ignore_ascii_case(name)
         };
         let is_name = matches!(token.kind, RawKind::Word | RawKind::Local);
-        (is_name && (0..self.raw.len()).any(is_wire)).then_some(name)
+        let near = self.at.saturating_sub(LOOK_MAX)..self.raw.len().min(self.at + LOOK_MAX);
+        (is_name && near.into_iter().any(is_wire)).then_some(name)
     }
 
     /// Reports a wire without `wire#`, and takes it.

@@ -132,6 +132,7 @@ impl<'a> Classifier<'a, '_> {
 
     /// `VB[VW0]`, `VB(10)`: an address with an index, which is reported; returns how many tokens it has.
     fn indexed(&mut self, tokens: &[RawToken]) -> Option<usize> {
+        const LOOK_MAX: usize = 40;
         let [letters, open, rest @ ..] = tokens else { return None };
         let word = letters.text(self.text).to_ascii_uppercase();
         let closing = match open.text(self.text) {
@@ -140,7 +141,8 @@ impl<'a> Classifier<'a, '_> {
             _ => return None,
         };
         let of_area = letters.kind == RawKind::Word && self.place != Where::Declaration && address::are_letters(&word);
-        let end = rest.iter().position(|token| token.text(self.text) == closing).filter(|end| of_area && *end > 0)?;
+        let mut inside = rest.iter().take(if of_area { LOOK_MAX } else { 0 });
+        let end = inside.position(|token| token.text(self.text) == closing).filter(|end| *end > 0)?;
         let index = self.slice(rest[0].range().start..rest[end - 1].range().end);
         let help = match index.bytes().all(|digit| digit.is_ascii_digit()) {
             true => format!("write `{word}{index}`"),
