@@ -85,7 +85,7 @@ fn wrong_flags_are_usage_errors() {
         (&["--trace-step", "1s"], "add --trace FILE.csv"),
         (&["--scenario", "missing.toml"], "missing.toml"),
         (&["--scenario", "pips.toml"], "did you mean `pipe.toml`?"),
-        (&["--scenario", "program.stl"], "program.stl is no scenario, which is a file in TOML"),
+        (&["--scenario", "program.stl"], "program.stl is not a scenario, which is a file in TOML"),
         (&["--iso-port", "70000"], "`70000` is not a port: ports are 1 to 65535"),
         (&["--stop-on-error"], "--stop-on-error is about errors after which an S7-200 goes on"),
         (&["--restart", "hot"], "--restart hot: only a CPU of the S7-400 has hot restarts"),
@@ -114,6 +114,9 @@ fn wrong_flags_are_usage_errors() {
         let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--scenario", "s.toml"], 2);
         assert!(errors.contains(says), "{errors}");
     }
+    std::fs::write(folder.join("s.scenario"), "[[at]]\ncycle = -1\n").expect("the folder can be written");
+    let errors = both(folder, &["--scenario", "s.scenario"], 2);
+    assert!(errors.contains("s.scenario:2: "), "{errors}");
     for (text, says) in [
         ("MW0;MW2\n1;2\n", "i.csv:1: columns are separated by `,`; write MW0,MW2"),
         ("MW0,MW2\n1\n", "i.csv:2: the first line has 2 names, but this one has 1 value"),

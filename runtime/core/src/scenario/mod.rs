@@ -94,11 +94,13 @@ impl Scenario {
             format!("cannot read scenario {file}: {error}{near}")
         })?;
         Scenario::parse(&file, &text, image).map_err(|error| {
+            // A scenario with a mistake may have any name.
             let is_toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+            let has_entries = || text.lines().any(|line| line.trim_start().starts_with("[["));
             match path.file_name().is_some_and(|name| name == "plc.toml") {
-                true => format!("{file} has the settings of a project, and is no scenario"),
-                false if is_toml => error,
-                false => format!("{file} is no scenario, which is a file in TOML with entries `[[at]]`"),
+                true => format!("{file} has the settings of a project, and is not a scenario"),
+                false if is_toml || has_entries() => error,
+                false => format!("{file} is not a scenario, which is a file in TOML with entries `[[at]]`"),
             }
         })
     }
