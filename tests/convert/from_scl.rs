@@ -148,7 +148,8 @@ fn whole_sources_become_lists() {
         "library/moments_in_lists_tia",
         "library/numbers_as_texts_in_lists_tia",
     ];
-    const FOR_S7_300: [&str; 5] = [
+    const FOR_S7_300: [&str; 6] = [
+        "language/block_parameters_as_numbers_classic",
         "language/choices_as_lists",
         "language/choices_of_reals_classic",
         "language/constant_texts_classic",

@@ -2,8 +2,8 @@
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_model::scl::{Access, Base, Expr, ExprKind, Index, IndexBounds, IndexedArea};
-use plcc_model::types::Elementary;
-use plcc_model::{Direction, Passing, Place, PlaceArea, layout};
+use plcc_model::types::{DataType, Elementary, ParameterType};
+use plcc_model::{Direction, Parameter, Passing, Place, PlaceArea, layout};
 use plcc_syntax::ast::{AddressRegister, BlockPrefix, Operand, OperandKind, Path, PathRoot, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
@@ -137,13 +137,19 @@ impl Maker<'_> {
     /// A parameter of type BLOCK_DB.
     fn block_parameter(&self, number: &Expr) -> Option<Operand> {
         let ExprKind::Load(access) = &number.kind else { return None };
+        self.block_in(access)
+    }
+
+    /// The parameter of type BLOCK_DB whose number is accessed.
+    pub fn block_in(&self, access: &Access) -> Option<Operand> {
         let parameters = &self.block.interface.parameters;
         let formal = match access.base {
             Base::Place(Place::Parameter { parameter, .. }) => parameters.get(parameter),
             Base::Place(Place::Instance { byte, .. }) => parameters.iter().find(|formal| formal.byte == byte),
             _ => None,
         };
-        let formal = formal.filter(|formal| formal.passing == Passing::Number && access.indices.is_empty());
+        let is_block = |formal: &&Parameter| formal.ty == DataType::Parameter(ParameterType::BlockDb);
+        let formal = formal.filter(is_block).filter(|_| access.indices.is_empty());
         formal.map(|formal| super::code::local(&formal.name, self.span))
     }
 

@@ -22,7 +22,7 @@ impl Maker<'_> {
     /// Reads and writes of it need no address register.
     pub fn is_direct(&self, access: &Access) -> bool {
         let is_place = access.indices.is_empty() && matches!(access.base, Base::Place(_));
-        is_place && self.has_direct_part(access) && !self.is_view(access)
+        is_place && self.has_direct_part(access) && !self.is_view(access) && self.block_in(access).is_none()
     }
 
     /// Parts of variables are operands: `#w.%X3`.

@@ -5,7 +5,7 @@
 
 use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Function, UnaryOp};
 use plcc_model::types::{Class, Elementary};
-use plcc_syntax::ast::{Operand, OperandKind};
+use plcc_syntax::ast::{Operand, OperandKind, SpecialRegister};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
 
@@ -28,6 +28,11 @@ impl Maker<'_> {
                 self.push(StlInsn::Load, Some(operand));
             }
             ExprKind::Load(access) if is_character(access) => self.load_character(access, value.ty),
+            ExprKind::Load(access) if let Some(block) = self.block_in(access) => {
+                let number = OperandKind::Special(SpecialRegister::DbNumber);
+                self.push(StlInsn::OpenDb, Some(block));
+                self.push(StlInsn::Load, Some(Operand { kind: number, span: self.span }));
+            }
             ExprKind::Load(access) => {
                 if let Some(target) = self.target(access, true) {
                     let operand = self.reach(&target, value.ty);
