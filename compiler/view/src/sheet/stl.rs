@@ -247,7 +247,7 @@ impl Maker<'_> {
                 self.assigned = true;
                 Ok(())
             }
-            StlInsn::And if self.span.is_none() || self.assigned => {
+            StlInsn::And if self.span.is_none() && self.branch.is_none() || self.assigned => {
                 let kept = self.kept.as_mut().and_then(|kept| kept.get_mut(&bit));
                 let (span, is_used) = kept.ok_or("is no branch")?;
                 *is_used = true;
