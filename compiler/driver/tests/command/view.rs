@@ -161,6 +161,25 @@ fn a_local_bit_of_a_branch_is_a_line() {
     }
 }
 
+/// A branch with contacts is not above coils that the CPU writes before it.
+#[test]
+fn branches_are_in_the_order_of_their_execution() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION Branches : Void\n  VAR_INPUT\n    a, b : Bool;\n  END_VAR\n  VAR_IN_OUT\n    q, r : Bool;\n  \
+                  END_VAR\n  { S7_Language := \"LAD\" }\n  NETWORK\n    \
+                  RUNG wire#powerrail Contact( #a ) wire#w1 S_Coil( #q ) END_RUNG\n    \
+                  RUNG wire#w1 Contact( #b ) R_Coil( #q ) END_RUNG\n    RUNG wire#w1 Coil( #r ) END_RUNG\n  \
+                  END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("branches.s7dcl"), source).expect("the folder can be written");
+    let arguments = ["view", "branches.s7dcl", "-o", "drawings"];
+    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let places = [">#a<", ">S<", ">#b<", ">R<", ">#r<"].map(|name| picture.find(name));
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{picture}");
+}
+
 /// In the order of the declaration, whatever the call gives them.
 #[test]
 fn a_box_of_a_call_has_all_parameters() {

@@ -265,14 +265,17 @@ fn open_ended(mut items: Vec<(Block, Option<usize>)>) -> Vec<(Block, Option<usiz
     let goes_on = |(block, _): &(Block, Option<usize>)| matches!(block, Block::Fork { main: Some(_), .. });
     let Some(at) = items.iter().position(goes_on) else { return items };
     let rest = items.split_off(at + 1);
-    if let Some((Block::Fork { main: Some(main), tails }, net)) = items.pop() {
+    if let Some((Block::Fork { main: Some(main), tails: mut branches }, net)) = items.pop() {
         let mut branch = match *main {
             Block::Series(items) => items,
             other => vec![(other, net)],
         };
         branch.extend(rest);
-        let mut branches = vec![Block::Series(open_ended(branch))];
-        branches.extend(tails);
+        let branch = Block::Series(open_ended(branch));
+        // The CPU executes them from top to bottom.
+        let own = first_part(&branch);
+        let earlier = branches.iter().rposition(|other| first_part(other).is_some_and(|first| Some(first) < own));
+        branches.insert(earlier.map_or(0, |at| at + 1), branch);
         items.push((Block::Fork { main: None, tails: branches }, None));
     }
     items
