@@ -77,7 +77,9 @@ impl Names {
                     output: parameter.direction == Direction::Output,
                     always: true,
                 });
-                let formals: Vec<Formal> = formals.collect();
+                let mut formals: Vec<Formal> = formals.collect();
+                // The editors draw the result above the other outputs.
+                formals.sort_by_key(|formal| block.key().kind != BlockKind::Fc || formal.name != "RET_VAL");
                 names.parameters.insert(format!("\"{}\"", block.name.to_lowercase()), formals.clone());
                 names.parameters.insert(block.key().to_string().replace(' ', "").to_lowercase(), formals);
             }

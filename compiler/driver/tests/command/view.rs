@@ -180,20 +180,22 @@ fn branches_are_in_the_order_of_their_execution() {
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{picture}");
 }
 
-/// In the order of the declaration, whatever the call gives them.
+/// In the order of the declaration, whatever the call gives them, but the result of a function before the other outputs.
 #[test]
 fn a_box_of_a_call_has_all_parameters() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let source = "FUNCTION_BLOCK \"Lamp\"\nVAR_INPUT\n  on : BOOL;\n  test : BOOL;\nEND_VAR\nVAR_OUTPUT\n  lit : BOOL;\n  \
                   broken : BOOL;\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"One\"\n\"Lamp\"\nBEGIN\nEND_DATA_BLOCK\n\
-                  FUNCTION FC 5 : VOID\nBEGIN\nNETWORK\nCALL \"Lamp\", \"One\" (lit := M 0.1, on := M 0.0);\nEND_FUNCTION\n";
+                  FUNCTION FC 6 : INT\nVAR_OUTPUT\n  more : BOOL;\nEND_VAR\nBEGIN\nEND_FUNCTION\n\
+                  FUNCTION FC 5 : VOID\nBEGIN\nNETWORK\nCALL \"Lamp\", \"One\" (lit := M 0.1, on := M 0.0);\n\
+                  CALL FC 6 (more := M 0.2, RET_VAL := MW 2);\nEND_FUNCTION\n";
     fs::write(folder.join("lamps.stl"), source).expect("the folder can be written");
     let arguments = ["view", "lamps.stl", "--cpu", "s7-1500", "-o", "drawings"];
     let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
     let picture = fs::read_to_string(folder.join("drawings/FC_5_network_1.svg"));
     let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
-    let places = [">on<", ">lit<", ">test<", ">broken<"].map(|name| picture.find(name));
+    let places = [">on<", ">lit<", ">test<", ">broken<", ">RET_VAL<", ">more<"].map(|name| picture.find(name));
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{picture}");
 }
 
