@@ -3,9 +3,9 @@
 //!
 //! Source: System and standard functions, SFC 20 BLKMOV; STL reference, format of ANY.
 
-use plcc_model::Place;
-use plcc_model::scl::{Access, Base, Complex, Statement};
+use plcc_model::scl::{Access, Base, Complex, ExprKind, IndexBounds, Statement};
 use plcc_model::types::{DataType, Elementary, ParameterType};
+use plcc_model::{Place, layout};
 use plcc_syntax::ast::{self, AddressRegister, BlockName, BlockPrefix, Operand, OperandKind, SpecialRegister, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
@@ -33,6 +33,11 @@ impl Maker<'_> {
         let Complex::Variable(source) = source else {
             return self.refuse(statement.span, "this assignment of a whole variable", "assign its components");
         };
+        // BLKMOV and the pieces go from the first byte to the last one.
+        if may_overlap(target, source, bytes) {
+            let help = "copy the elements in a loop";
+            return self.refuse(statement.span, "a copy of elements onto others of their array", help);
+        }
         if self.is_block(target, bytes) && self.is_block(source, bytes) {
             // The target is the first whose indices are computed.
             let Some(to) = self.block_of(target, bytes) else { return };
@@ -80,13 +85,18 @@ impl Maker<'_> {
     /// BLKMOV can reach it.
     fn is_block(&self, access: &Access, bytes: u32) -> bool {
         let has_area = matches!(&access.base, Base::Place(place) if area_of(place).is_some());
-        self.is_direct(access) || has_area && bytes <= u32::from(u16::MAX)
+        self.is_operand(access, bytes) || has_area && bytes <= u32::from(u16::MAX)
+    }
+
+    /// An operand is all of it: MOVE_BLK and FILL_BLK copy several elements from one on.
+    fn is_operand(&self, access: &Access, bytes: u32) -> bool {
+        self.is_direct(access) && bytes <= layout::bytes(&access.ty)
     }
 
     /// A variable itself, or an ANY of it.
     fn block_of(&mut self, access: &Access, bytes: u32) -> Option<Operand> {
         let Base::Place(place) = &access.base else { return None };
-        if self.is_direct(access) {
+        if self.is_operand(access, bytes) {
             return self.operand(access);
         }
         let (area, number) = area_of(place)?;
@@ -127,6 +137,36 @@ impl Maker<'_> {
     fn here(&self, kind: OperandKind) -> Operand {
         Operand { kind, span: self.span }
     }
+}
+
+/// Several elements may be copied onto some of themselves; one element and another one are the same or apart.
+fn may_overlap(target: &Access, source: &Access, bytes: u32) -> bool {
+    let is_one = |access: &Access| bytes <= layout::bytes(&access.ty);
+    if is_one(target) && is_one(source) {
+        return false;
+    }
+    let is_far = |place: &Place| matches!(place, Place::Parameter { .. } | Place::ThroughPointer { .. });
+    match (beginning(target), beginning(source)) {
+        (Some((area, to)), Some((other, from))) if area == other => to.abs_diff(from) < u64::from(bytes) * 8,
+        (Some((area, _)), Some((other, _))) => is_far(&area) || is_far(&other),
+        _ => true,
+    }
+}
+
+/// The place at which the area of a variable begins, and how many bits after it the variable does; its indices are constants.
+fn beginning(access: &Access) -> Option<(Place, i64)> {
+    let Base::Place(place) = &access.base else { return None };
+    let mut area = place.clone();
+    let (byte, bit) = area.position_mut()?;
+    let mut distance = i64::from(*byte) * 8 + i64::from(*bit);
+    (*byte, *bit) = (0, 0);
+    for index in &access.indices {
+        let (IndexBounds::Known(low, _), ExprKind::Const(bits)) = (index.bounds, &index.value.kind) else {
+            return None;
+        };
+        distance += (i64::from(*bits as u32 as i32) - i64::from(low)) * i64::from(index.stride);
+    }
+    Some((area, distance))
 }
 
 /// The code of an area in pointers, and where the number of its data block is. The local data of a block are those of the caller for BLKMOV.
