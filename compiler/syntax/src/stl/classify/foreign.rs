@@ -188,16 +188,16 @@ impl<'a> Classifier<'a, '_> {
                 let message = Diagnostic::new(Code::Syntax, span, format!("`{slice}` cannot begin a statement"));
                 self.report(match slice {
                     _ if compares => {
-                        let first = match self.ends_before(index + 1) {
-                            true => String::new(),
-                            false => {
-                                let load = StlInsn::Load.mnemonic(self.set);
-                                format!("`{load} {}`, then ", self.rest_of_statement(index + 1))
-                            }
-                        };
-                        message.label("the type of the values is missing").help(format!(
-                            "write {first}`{slice}I` for INT, `{slice}D` for DINT or `{slice}R` for REAL"
-                        ))
+                        let load = StlInsn::Load.mnemonic(self.set);
+                        let operand = if self.ends_before(index + 1) { "" } else { self.rest_of_statement(index + 1) };
+                        let is_bit = operand.starts_with(|c: char| c.is_ascii_alphabetic())
+                            && matches!(operand.as_bytes(), [.., b'0'..=b'9', b'.', b'0'..=b'7']);
+                        let first =
+                            if operand.is_empty() { String::new() } else { format!("`{load} {operand}`, then ") };
+                        message.label("the type of the values is missing").help(match slice {
+                            "==" if is_bit => format!("write `= {operand}` for a bit"),
+                            _ => format!("write {first}`{slice}I` for INT, `{slice}D` for DINT or `{slice}R` for REAL"),
+                        })
                     }
                     ":=" => {
                         let operand = self.rest_of_statement(index + 1);
