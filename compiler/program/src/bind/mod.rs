@@ -32,10 +32,11 @@ mod notation;
 mod tests;
 
 pub use declarations::predefined::system_members;
+pub use declarations::shipped::library_interface;
 pub use globals::pins::instruction_pins;
 pub use network::{NOT_CONNECTED, is_about_drafts};
 pub use partial::complete;
-pub use program::{bind, library_interface};
+pub use program::bind;
 pub use trees::chart_data::expanded as with_chart_data;
 pub use trees::cpu::{implied_profile, is_s7200, runs};
 pub use trees::numbering::block_of_file;

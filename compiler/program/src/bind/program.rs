@@ -2,11 +2,10 @@
 
 use std::rc::Rc;
 
-use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::image::{BlockKind, Config};
 use plcc_abi::names::External;
 use plcc_abi::ob::ObClass;
-use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap, Span};
-use plcc_stdlib::SystemBlock;
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{self, SectionKind};
 use plcc_syntax::symbols::SymbolTarget;
@@ -31,7 +30,7 @@ use plcc_binding::constant::Constant;
 use plcc_binding::pragma::is_asserted;
 use plcc_binding::{BindInput, Bound, fold};
 use plcc_model::types::{DataType, Member};
-use plcc_model::{BlockConstant, BlockKey, Body, CodeBlock, Interface, Parameter, Program, layout, profile};
+use plcc_model::{BlockConstant, BlockKey, Body, CodeBlock, Interface, Parameter, Program, layout};
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
@@ -128,35 +127,6 @@ pub fn bind_all(input: &BindInput) -> Bound {
         partial: Vec::new(),
     };
     Bound { program: bound, diagnostics, missing }
-}
-
-/// The interface of a block of the library, in an empty program; `None` if it is only known by name.
-pub fn library_interface(block: &SystemBlock) -> Option<Interface> {
-    let mut sources = SourceMap::default();
-    let file = sources.add(SourceFile::new("", ""));
-    let input = empty(&sources);
-    let mut program = Declarations::new(&input);
-    let key = program.globals.library.key_of(block);
-    let bound = program.interface(key, Span { file, start: 0, end: 0 })?;
-    Some(bound.interface.clone())
-}
-
-/// A program without blocks.
-pub fn empty(sources: &SourceMap) -> BindInput<'_> {
-    BindInput {
-        name: String::new(),
-        sources,
-        units: &[],
-        tables: &[],
-        profile: profile::generic(Family::S7300),
-        config: Config::default(),
-        partial: false,
-        stand_ins: None,
-        pragmas: false,
-        require_main: false,
-        safety_as_standard: false,
-        plain_charts: false,
-    }
 }
 
 /// True of the block that the CPU calls in each cycle.

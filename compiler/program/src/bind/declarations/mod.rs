@@ -5,7 +5,7 @@
 //! - [`types`] resolves data types ([`typed`]), [`predefined`] those of the language and the CPU; [`constant`] their bounds, [`initial`] start values,
 //!   of which `single_value` judges those of arrays and `s5time` those of timers.
 //! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks, [`block_constants`] its constants;
-//!   [`data`] makes the data blocks.
+//!   [`data`] makes the data blocks, [`shipped`] has the interfaces of blocks of the library.
 //! - [`path`] turns names into places, [`element`] their indices; [`pointer`] has the bytes of pointers.
 //! - [`block`] is the block whose statements are bound; [`calls`] is what calls of all languages check.
 
@@ -22,6 +22,7 @@ pub mod pointer;
 pub mod predefined;
 pub mod reference;
 mod s5time;
+pub mod shipped;
 mod single_value;
 pub mod start_inputs;
 pub mod symbols;

@@ -10,7 +10,7 @@ use super::function::{FUNCTIONS, NAMING, Named};
 use super::message::short_name;
 use super::pins::Pin;
 use super::{Rules, convert, text};
-use crate::bind::program::library_interface;
+use crate::bind::declarations::shipped::library_interface;
 use crate::bind::trees::SYSTEM_FILE;
 
 /// A function.

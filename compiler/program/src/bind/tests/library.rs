@@ -4,7 +4,8 @@ use plcc_diag::{SourceFile, SourceMap, Span};
 use plcc_stdlib::Form;
 
 use crate::bind::declarations::Declarations;
-use crate::bind::program::{bind_system_blocks, empty};
+use crate::bind::declarations::shipped::empty;
+use crate::bind::program::bind_system_blocks;
 
 /// Each block of the library, in any language, binds without a message, and so do the blocks that it uses.
 #[test]
