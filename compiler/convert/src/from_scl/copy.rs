@@ -1,5 +1,5 @@
-//! Assignments of whole arrays and structures: BLKMOV. An element with a variable index is an ANY that the statements make; where its area is
-//! that of a parameter, it is copied piece by piece.
+//! Assignments of whole arrays and structures: BLKMOV. An element with a variable index is an ANY that the statements make; in local data, or
+//! where its area is that of a parameter, it is copied piece by piece.
 //!
 //! Source: System and standard functions, SFC 20 BLKMOV; STL reference, format of ANY.
 
@@ -169,7 +169,8 @@ fn beginning(access: &Access) -> Option<(Place, i64)> {
     Some((area, distance))
 }
 
-/// The code of an area in pointers, and where the number of its data block is. The local data of a block are those of the caller for BLKMOV.
+/// The code of an area in pointers, and where the number of its data block is. Local data have none: what an ANY of these means depends on the
+/// block that reads it.
 fn area_of(place: &Place) -> Option<(u32, Option<SpecialRegister>)> {
     match place {
         Place::I { .. } => Some((0x81, None)),
@@ -177,8 +178,8 @@ fn area_of(place: &Place) -> Option<(u32, Option<SpecialRegister>)> {
         Place::M { .. } => Some((0x83, None)),
         Place::Db { .. } => Some((0x84, Some(SpecialRegister::DbNumber))),
         Place::Instance { .. } => Some((0x84, Some(SpecialRegister::DiNumber))),
-        Place::L { .. } => Some((0x87, None)),
-        Place::Pi { .. }
+        Place::L { .. }
+        | Place::Pi { .. }
         | Place::Pq { .. }
         | Place::OpenDb { .. }
         | Place::OpenDi { .. }
