@@ -425,11 +425,12 @@ impl Maker<'_> {
         }
         match (callee.kind, &callee.body) {
             // They get copies.
-            (BlockKind::Fb | BlockKind::Sfb | BlockKind::Sfc, _) | (_, Body::Scl(_) | Body::Runtime) => true,
+            (BlockKind::Fb | BlockKind::Sfb | BlockKind::Sfc, _) | (_, Body::Runtime) => true,
+            (_, Body::Scl(body)) if !body.inputs_in_place => true,
             // An FC gets a reference, and may write to the same variable by another one.
             (
                 BlockKind::Ob | BlockKind::Db | BlockKind::Fc | BlockKind::Sbr | BlockKind::Int,
-                Body::Stl(_) | Body::S7200(_),
+                Body::Stl(_) | Body::Scl(_) | Body::S7200(_),
             ) => {
                 let writes = |argument: &Argument| match &argument.actual {
                     Actual::Variable { access: other, .. } | Actual::Reference(other) => may_overlap(other, access),

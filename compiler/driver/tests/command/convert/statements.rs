@@ -210,7 +210,7 @@ END_ORGANIZATION_BLOCK
     assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
     let tested = plcc(folder, &["test", "b.stl"]);
     let found = format!("{}{}", text(&tested.stdout), text(&tested.stderr));
-    assert!(found.contains("2 passed, 0 failed"), "{found}");
+    assert!(found.contains("3 passed, 0 failed"), "{found}");
 }
 
 /// Networks of a project for an S7-1200 are statements for an S7-1500, and its settings name one, too.
