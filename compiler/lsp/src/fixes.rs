@@ -34,11 +34,13 @@ pub fn replacement(message: &Diagnostic, marked: &str) -> Option<String> {
 /// What a message reads in place of what it marks: `THEN` for `THN`, `<>` for `!=`. Where the help changes more than that, nothing.
 fn read_as<'m>(message: &'m Diagnostic, marked: &str) -> Option<&'m str> {
     let meant = message.primary.text.strip_prefix("read as `")?.strip_suffix('`')?;
-    let written = between(message.help.as_deref()?, "write `", "`")?;
+    let help = message.help.as_deref()?;
+    let written = between(help, "write `", "`")?;
     let is_letter = |c: char| c.is_alphanumeric() || c == '_';
     let is_sign = !marked.contains(|c: char| is_letter(c) || c.is_whitespace() || matches!(c, '"' | '\'' | '#'));
     let is_word = marked.chars().all(|c| is_letter(c) || matches!(c, ' ' | '$'));
-    let fits = if is_sign { written.contains(meant) } else { is_word && written.trim_end_matches(';') == meant };
+    let is_all = written.trim_end_matches(';') == meant && help.ends_with(&format!("write `{written}`"));
+    let fits = if is_sign { written.contains(meant) } else { is_word && is_all };
     (fits && !marked.is_empty() && !meant.contains('…')).then_some(meant)
 }
 
@@ -97,6 +99,8 @@ mod tests {
         // All of the parameter is marked, or the condition changes as well.
         assert_eq!(read("`q` of `F` is an output", "=>", "write `q => #x`", "q := #x"), None);
         assert_eq!(read("REPEAT ends with UNTIL", "UNTIL", "write `UNTIL NOT (#a)`", "WHILE"), None);
+        let down = "write `TO`, and `BY -1` before `DO`";
+        assert_eq!(read("the keyword is `TO`, not `DOWNTO`", "TO", down, "DOWNTO"), None);
     }
 
     #[test]
