@@ -32,7 +32,7 @@ use plcc_syntax::stl::{Mnemonics, StlInsn};
 use plcc_syntax::symbols::SymbolTable;
 use rustc_hash::FxHashSet;
 
-use consequences::{forget_absent, forget_doubtful, forget_lost, forget_not_connected};
+use consequences::{forget_absent, forget_doubtful, forget_lost, forget_not_connected, forget_other_ends};
 use cpu::{check_pragmas, order_of, pragma_profile, profile_of};
 
 use crate::axes;
@@ -319,6 +319,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     forget_absent(&mut diagnostics);
     forget_not_connected(&mut diagnostics);
     forget_lost(&mut diagnostics, &sources);
+    forget_other_ends(&mut diagnostics);
     plcc_diag::sort(&mut diagnostics);
     // Two stages may find the same fault; report it once.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));

@@ -1,6 +1,6 @@
 //! Messages that only follow from others: the user sees the cause alone.
 
-use plcc_diag::{Code, Diagnostic, FileId, SourceMap};
+use plcc_diag::{Code, Diagnostic, FileId, SourceMap, Span};
 use rustc_hash::FxHashSet;
 
 use crate::inputs::NOT_THERE;
@@ -16,6 +16,14 @@ pub(super) fn forget_not_connected(diagnostics: &mut Vec<Diagnostic>) {
     if diagnostics.iter().any(|message| message.is_error() && !follows(message)) {
         diagnostics.retain(|message| !follows(message));
     }
+}
+
+/// Removes messages about the spelling of the end of another kind of block, such as `END_FB` after FUNCTION: that it cannot end the block
+/// is reported with the end that is meant.
+pub(super) fn forget_other_ends(diagnostics: &mut Vec<Diagnostic>) {
+    let is_end = |message: &&Diagnostic| message.code == Code::BlockFrame && message.title.contains("` cannot end ");
+    let ends: FxHashSet<Span> = diagnostics.iter().filter(is_end).map(|message| message.primary.span).collect();
+    diagnostics.retain(|message| message.code != Code::MisspeltKeyword || !ends.contains(&message.primary.span));
 }
 
 /// Removes messages about names that a file may define which does not exist under the name that the user gave it.

@@ -27,7 +27,6 @@ mod grammar {
     include!(concat!(env!("OUT_DIR"), "/gr7/gr7.rs"));
 }
 
-use std::collections::HashSet;
 use std::ops::Range;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
@@ -56,10 +55,6 @@ pub fn parse(file: FileId, text: &str, options: &ReadOptions) -> (SourceUnit, Ve
         diagnostics.extend(document.misplaced.iter().map(|range| misplaced(file, range.clone())));
     }
     let unit = blocks::build(file, text, &raw, &document, options, &mut diagnostics);
-    // The end of another kind of block is reported with the block that it ends.
-    let is_end = |told: &&Diagnostic| told.code == Code::BlockFrame && told.title.contains("` cannot end ");
-    let ends: HashSet<u32> = diagnostics.iter().filter(is_end).map(|told| told.primary.span.start).collect();
-    diagnostics.retain(|told| told.code != Code::MisspeltKeyword || !ends.contains(&told.primary.span.start));
     diagnostics.sort_by_key(|diagnostic| diagnostic.primary.span.start);
     (unit, diagnostics)
 }
