@@ -257,7 +257,9 @@ impl Repair<'_> {
     fn apostrophe(&mut self, token: RawToken) -> bool {
         const LOOK_MAX: usize = 40;
         let at = self.at;
-        if !self.adjacent(at) || self.kind(at + 1) != Some(RawKind::Word) {
+        // What follows a word at once is the end of a text, as in `'it's', 'a'`.
+        let ends_text = at > 0 && self.adjacent(at - 1) && self.kind(at - 1) == Some(RawKind::Word);
+        if ends_text || !self.adjacent(at) || self.kind(at + 1) != Some(RawKind::Word) {
             return false;
         }
         let mut line = (at + 1..).take(LOOK_MAX).take_while(|index| self.beside(*index).is_some());
