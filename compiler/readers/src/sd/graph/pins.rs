@@ -319,7 +319,7 @@ impl Builder<'_, '_> {
     }
 
     fn report_surplus(&mut self, row: &Row, span: Span) {
-        // `%I0,1`: that `%I0` is no address is reported.
+        // `%I0,1`: that `%I0` is not an address is reported.
         let ends_before = |told: &&Diagnostic| told.primary.span.end + 1 == span.start;
         let told = self.diagnostics.last().filter(|told| told.code == Code::AddressRange).filter(ends_before);
         if let Some(address) = told.map(|told| told.primary.span) {
