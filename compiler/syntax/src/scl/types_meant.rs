@@ -32,10 +32,13 @@ pub fn of(text: &str, before: &Spanned, at: &Spanned) -> Option<(&'static str, S
 
 /// Title and help for `TO` in a value of CASE.
 pub fn range_of_case(text: &str, before: &Spanned, at: &Spanned) -> Option<(&'static str, String)> {
-    let is_to = text.get(at.0..at.2)?.eq_ignore_ascii_case("TO");
-    let low = text.get(..before.2)?.rsplit(['\n', ',', ';', ':']).next().unwrap_or_default().trim();
+    if !text.get(at.0..at.2)?.eq_ignore_ascii_case("TO") {
+        return None;
+    }
+    let parts = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | ':');
+    let low = text.get(..before.2)?.rsplit(parts).next().unwrap_or_default();
     let high = text.get(at.2..)?.split([':', ',', '\n']).next().unwrap_or_default().trim();
     let is_number = |bound: &str| bound.parse::<i64>().is_ok();
-    (is_to && is_number(low) && is_number(high))
+    (is_number(low) && is_number(high))
         .then(|| ("the values of a range are separated by two dots", format!("write `{low}..{high}`")))
 }
