@@ -247,6 +247,17 @@ fn a_refusal_names_the_operation() {
     assert_eq!(messages, [expected]);
 }
 
+/// In SCL the text is cut; STL of a function block passes only one of the same length.
+#[test]
+fn a_text_of_another_length_is_refused() {
+    let source = "FUNCTION_BLOCK FB 1\nVAR_INPUT\n a : STRING[6];\nEND_VAR\nBEGIN\n;\nEND_FUNCTION_BLOCK\nDATA_BLOCK DB 1 FB 1\nBEGIN\n\
+                  END_DATA_BLOCK\nDATA_BLOCK DB 2\nSTRUCT\n s : STRING[20];\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n\
+                  FUNCTION FC 1 : VOID\nBEGIN\n FB1.DB1(a := DB2.s);\nEND_FUNCTION\n";
+    let (messages, _) = converted(source);
+    let expected = ("STL has no form for a text of another length than its parameter".to_string(), "DB2.s".to_string());
+    assert_eq!(messages, [expected]);
+}
+
 #[test]
 fn comments_stay_in_their_branch() {
     let source = "FUNCTION FC 1 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nBEGIN\n// limits\nIF x > 5 THEN\n // high\n FC1 := 1;\n\

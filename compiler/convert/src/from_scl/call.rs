@@ -6,7 +6,7 @@ use plcc_model::scl::{
     Access, Actual, Argument, Base, Call, Complex, Conversion, Expr, ExprKind, IndexedArea, Instance,
 };
 use plcc_model::types::{DataType, Elementary, ParameterType};
-use plcc_model::{BlockKey, Body, CodeBlock, Direction, Number, Parameter, Place, PlaceArea};
+use plcc_model::{BlockKey, Body, CodeBlock, Direction, Number, Parameter, Place, PlaceArea, layout};
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CellKind, Operand, OperandKind, Path, PathRoot, StatusOperand};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
@@ -14,7 +14,7 @@ use plcc_syntax::stl::StlInsn;
 use super::Maker;
 use super::address::Target;
 use super::number_text;
-use super::text::{TEXT_MAX, TextInstruction};
+use super::text::{TEXT_MAX, TextInstruction, is_passed};
 use crate::to_stl::library::is_block;
 
 /// Blocks of the library with higher numbers have them from plcc.
@@ -337,6 +337,11 @@ impl Maker<'_> {
             Actual::Complex(Complex::Variable(access)) | Actual::Reference(access) => {
                 if !self.is_direct(access) || matches!(formal.ty, DataType::OpenArray(_)) {
                     return self.no_actual(argument.span);
+                }
+                if !is_passed(callee, formal, &access.ty) {
+                    let help = format!("pass a variable of type {}", layout::type_name(&formal.ty));
+                    self.refuse(argument.span, "a text of another length than its parameter", &help);
+                    return None;
                 }
                 self.operand(access)
             }

@@ -5,7 +5,7 @@
 use plcc_abi::image::{BlockKind, Family};
 use plcc_model::scl::{Access, Actual, Call, Complex, Statement};
 use plcc_model::types::DataType;
-use plcc_model::{BlockKey, CodeBlock, Parameter};
+use plcc_model::{BlockKey, CodeBlock, Direction, Parameter};
 use plcc_syntax::ast::{self, AddressRegister, BlockName, BlockPrefix, CallType, Operand, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::StlInsn;
@@ -226,6 +226,12 @@ impl Maker<'_> {
 fn characters(bytes: &[u8]) -> Option<&[u8]> {
     let [_, length, characters @ ..] = bytes else { return None };
     characters.get(..usize::from(*length))
+}
+
+/// Whether STL passes a variable of a type: what a function block gets or returns as a copy has just the length of its parameter.
+pub fn is_passed(callee: &CodeBlock, formal: &Parameter, actual: &DataType) -> bool {
+    let is_copied = matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb) && formal.direction != Direction::InOut;
+    !is_copied || !same_kind(&formal.ty, actual) || formal.ty == *actual
 }
 
 /// Two texts with characters of one size.
