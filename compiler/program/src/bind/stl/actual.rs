@@ -384,10 +384,14 @@ impl StlBinder<'_, '_> {
             }
             _ => return self.mismatch(callee, formal, &settled, span),
         };
-        // The first byte of a STRING has its maximum length, which a function reads.
+        // The head of a text has its maximum length, which a function reads.
         let any_length = matches!(callee.kind, BlockKind::Fc | BlockKind::Sfc) || formal.direction == Direction::InOut;
         let fits = match (&formal.ty, ty) {
-            (DataType::String(_), DataType::String(_)) if any_length => true,
+            (DataType::String(_), DataType::String(_)) | (DataType::WideString(_), DataType::WideString(_))
+                if any_length =>
+            {
+                true
+            }
             (formal, actual) => layout::same_type(formal, actual),
         };
         if !fits {
