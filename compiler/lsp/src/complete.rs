@@ -85,7 +85,9 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
         };
     // `CALL FB 1, ` without a list of parameters yet.
     let is_instance = language == Language::Stl && before == "," && !begins && open_bracket(words, first).is_none();
-    if matches!(before, "(" | ",") && !is_instance {
+    // `#t.TON( ` has the pins of the element, not the parameters of the block TON as well.
+    let is_element = || open_bracket(words, first).is_some_and(|open| network::signature(words, open).is_some());
+    if matches!(before, "(" | ",") && !is_instance && !is_element() {
         items.extend(parameters(index, words, file, first));
     }
     match language {
@@ -127,7 +129,15 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             items.extend(index.checked.facts.functions.iter().map(function));
             items.extend(marked_globals(index, Wanted::Value));
         }
-        Language::Sd if in_rung(words, first) && matches!(before, "(" | ",") => items.extend(pins(words, first)),
+        Language::Sd if in_rung(words, first) && matches!(before, "(" | ",") => {
+            let pins = pins(words, first);
+            // The operand has no name: `Contact( #on )`.
+            if before == "(" && pins.iter().any(|pin| pin.label == "operand") {
+                items.extend(marked_locals(index, entry));
+                items.extend(marked_globals(index, Wanted::Operand));
+            }
+            items.extend(pins);
+        }
         Language::Sd if in_rung(words, first) && matches!(before, ":=" | "=>" | "NOT") => {
             items.extend(marked_locals(index, entry));
             items.extend(marked_globals(index, Wanted::Operand));

@@ -220,6 +220,10 @@ fn elements_pins_and_wires_of_networks_are_explained() {
     assert_eq!(labels(&found), ["in1"]);
     let found = editor.at("textDocument/completion", "lamp.s7dcl", "TON( pt := #time, |et");
     assert_eq!(labels(&found), ["en", "et", "eno"]);
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "TON( |pt := #time");
+    assert_eq!(labels(&found), ["en", "pt", "et", "eno"]);
+    let found = editor.at("textDocument/completion", "lamp.s7dcl", "Contact( |#on");
+    assert_eq!(labels(&found)[..4], ["#on", "#time", "#lit", "#T1"]);
     let found = editor.at("textDocument/completion", "lamp.s7dcl", "#one( |on :=");
     assert_eq!(labels(&found), ["on", "time", "lit"]);
     for (piece, label, active) in
