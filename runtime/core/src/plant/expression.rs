@@ -179,7 +179,11 @@ fn with_point(text: &str, rest: &str) -> Option<String> {
         return None;
     }
     let is_digit = |at: usize| text.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
-    let (at, _) = text.match_indices(',').find(|(at, _)| *at > 0 && is_digit(at - 1) && is_digit(at + 1))?;
+    // The commas before it separate arguments.
+    let (at, _) = text.rmatch_indices(',').nth(rest.matches(',').count() - 1)?;
+    if at == 0 || !is_digit(at - 1) || !is_digit(at + 1) {
+        return None;
+    }
     Some(format!("{}.{}", &text[..at], &text[at + 1..]))
 }
 
@@ -217,6 +221,7 @@ mod tests {
             ("", "ends too early"),
             ("level level", "`level` is not understood"),
             ("level + 1,5 * level", "a number has a point; write `level + 1.5 * level`"),
+            ("max(1,2) + 1,5", "a number has a point; write `max(1,2) + 1.5`"),
             ("lvel", "`lvel` is not known here"),
             ("sqr(level)", "`sqr` is not a known function; did you mean `sqrt`?"),
             ("scale(level)", "`scale` is not a known function; the functions are if, clamp, sqrt"),
