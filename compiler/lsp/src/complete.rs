@@ -91,12 +91,15 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
         items.extend(parameters(index, words, file, first));
     }
     match language {
-        Language::Stl if begins => items.extend(StlInsn::ALL.iter().map(|insn| CompletionItem {
-            label: insn.mnemonic(set).to_owned(),
-            kind: Some(CompletionItemKind::OPERATOR),
-            detail: Some(insn.doc().trim().to_owned()),
-            ..CompletionItem::default()
-        })),
+        // A line of a list of parameters has no mnemonic.
+        Language::Stl if begins && before != "," && items.is_empty() => {
+            items.extend(StlInsn::ALL.iter().map(|insn| CompletionItem {
+                label: insn.mnemonic(set).to_owned(),
+                kind: Some(CompletionItemKind::OPERATOR),
+                detail: Some(insn.doc().trim().to_owned()),
+                ..CompletionItem::default()
+            }))
+        }
         // The first word in a list of parameters is one of them.
         Language::Stl if matches!(before, "(" | ",") && open_bracket(words, first).is_some() => {}
         Language::Stl => match stl_operand(words, first, set) {

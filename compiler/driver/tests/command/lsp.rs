@@ -146,6 +146,8 @@ fn words_and_parameters_are_proposed() {
     assert!(labels(&found).contains(&"JC") && labels(&found).contains(&">=I"));
     let found = editor.at("textDocument/completion", "main.stl", "level := MW 10,|");
     assert!(labels(&found).contains(&"limit"), "{found}");
+    let found = editor.at("textDocument/completion", "main.stl", "            |limit := 100");
+    assert_eq!(labels(&found), ["limit"], "a line of a list has no mnemonic");
     let found = editor.at("textDocument/signatureHelp", "main.stl", "limit := 1|00");
     assert_eq!(found["signatures"][0]["label"], json!("FC 1(level : INT IN, limit : INT IN)"));
     assert_eq!(found["activeParameter"], json!(1));
