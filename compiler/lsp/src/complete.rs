@@ -152,7 +152,7 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
             }));
         }
         Language::Graph if chart::is_end(words, first) => items.extend(steps(entry, true)),
-        Language::Graph if begins_operand(before) => {
+        Language::Graph if begins_operand(words, first) => {
             items.extend(locals(index, entry));
             items.extend(steps(entry, false));
             items.extend(marked_globals(index, Wanted::Operand));
@@ -162,10 +162,12 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     items
 }
 
-/// Whether an operand of a condition can follow a word.
-fn begins_operand(before: &str) -> bool {
+/// Whether an operand of a condition can stand at a piece.
+fn begins_operand(words: &Words, at: usize) -> bool {
     const WORDS: [&str; 4] = ["AND", "NOT", "OR", "XOR"];
-    matches!(before, ":=" | "(" | "&" | "=" | "<>" | "<" | ">" | "<=" | ">=" | "+" | "-" | "*" | "/")
+    // A bracket after an operand has the qualifier of an action: `Q1.2 (N)`.
+    let before = (0..at).rev().map(|at| words.word(at)).find(|word| *word != "(").unwrap_or_default();
+    matches!(before, ":=" | "&" | "=" | "<>" | "<" | ">" | "<=" | ">=" | "+" | "-" | "*" | "/")
         || WORDS.iter().any(|word| word.eq_ignore_ascii_case(before))
 }
 

@@ -107,6 +107,8 @@ fn steps_and_blocks_of_the_library_are_known() {
     for name in ["Request", "Opening", "Ask"] {
         assert!(labels(&found).contains(&name), "{name} is not in {found}");
     }
+    let found = editor.at("textDocument/completion", "door.gr7", "Q4.0   (|R)");
+    assert_eq!(labels(&found), Vec::<&str>::new(), "a qualifier stands there");
     let found = editor.at("textDocument/definition", "door.gr7", "TO Open|ing");
     assert_eq!(editor.covered(&json!([found])), ["door.gr7:10 Opening"]);
     let found = editor.at("textDocument/references", "door.gr7", "STEP Open|ing");
