@@ -189,7 +189,7 @@ pub fn parse(text: &str) -> Option<Address> {
     Some(Address { place, width: if is_value { Width::Word } else { Width::Bit(0) } })
 }
 
-/// Why a text that has the form of an address is not one: a number of it is too large. `None`: it has another form.
+/// Why a text that has the form of an address is not one: a number in it is too large. `None`: it has another form.
 pub(crate) fn too_large(text: &str) -> Option<String> {
     const AREAS: [&str; 9] = ["PI", "PE", "PQ", "PA", "I", "E", "Q", "A", "M"];
     let compact: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();

@@ -21,7 +21,7 @@ pub fn instruction_of(function: &str) -> Option<&'static str> {
 }
 
 impl Maker<'_> {
-    /// The RLO is 1 if the order that a function returns is that to 0; false: it is no such function, or the CPU has no instruction.
+    /// The RLO is 1 if the order that a function returns is that to 0; false: it is not such a function, or the CPU has no instruction.
     pub fn compare_order(&mut self, op: CompareOp, call: &Call) -> bool {
         let Some(callee) = self.program.block(call.target).filter(|callee| callee.library) else { return false };
         let Some((_, name)) = ORDERS.into_iter().find(|(own, _)| *own == callee.name) else { return false };
