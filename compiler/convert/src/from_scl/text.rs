@@ -198,6 +198,10 @@ impl Maker<'_> {
         };
         let Some(to) = self.operand(target) else { return };
         let (target, parameters) = match self.program.profile.family {
+            Family::S71500 if !self.has_instruction("S_MOVE") => {
+                let help = "that is the instruction which copies texts: rename the block or symbol";
+                return self.refuse(statement.span, "an assignment of texts beside another `S_MOVE`", help);
+            }
             Family::S71500 => (self.called(TextInstruction::plain("S_MOVE")), vec![("IN", from), ("OUT", to)]),
             Family::S7300 | Family::S7400 | Family::S7200 | Family::S71200 => {
                 let key = BlockKey { kind: BlockKind::Fc, number: LEFT };

@@ -140,6 +140,17 @@ fn scl_for_the_cpu_of_its_pragma_becomes_stl_for_it() {
     assert!(text(&refused.stderr).contains("S7-1200"), "{}", text(&refused.stderr));
 }
 
+/// Where the program has a block with the name of the instruction that copies texts, a call would mean the block.
+#[test]
+fn texts_are_not_copied_by_another_block() {
+    let source = "//@ cpu s7-1500\nDATA_BLOCK \"S_MOVE\"\nSTRUCT\n  s : STRING[4];\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n\
+                  ORGANIZATION_BLOCK \"Main\"\n  \"S_MOVE\".s := 'abc';\nEND_ORGANIZATION_BLOCK\n";
+    let folder = folder_with(&[("a.scl", source)]);
+    let refused = plcc(&folder, &["convert", "a.scl", "--to", "stl"]);
+    let told = text(&refused.stderr);
+    assert!(refused.status.code() != Some(0) && told.contains("rename the block or symbol"), "{told}");
+}
+
 /// Statements of SCL of the TIA Portal that names no CPU are for an S7-1500, and say so; those of S7-SCL are for an S7-300.
 #[test]
 fn scl_of_the_portal_without_a_cpu_becomes_stl_of_an_s7_1500() {
