@@ -143,8 +143,10 @@ fn a_local_bit_of_a_branch_is_a_line() {
         "NETWORK\nA I 0.0;\nAN I 0.1;\n= L 20.0;\nA L 20.0;\nBLD 102;\n= Q 4.0;\nA L 20.0;\nA I 0.2;\n= Q 4.1;\n";
     let read = "NETWORK\nA I 0.0;\n= L 20.1;\nA L 20.1;\n= Q 4.2;\nA I 0.3;\nA L 20.1;\n= Q 4.3;\n";
     let joined = "NETWORK\nA I 0.0;\n= L 20.2;\nA L 20.2;\nA I 0.4;\nO;\nA L 20.2;\nA I 0.5;\n= Q 4.4;\n";
+    // Another rung is executed before the last branch.
+    let late = "NETWORK\nA I 0.0;\n= L 20.3;\nA I 0.6;\n= Q 4.5;\nA L 20.3;\nA Q 4.5;\n= Q 4.6;\n";
     let head = "FUNCTION FC 5 : VOID\nVAR_TEMP\n  own : ARRAY [0 .. 21] OF BYTE;\nEND_VAR\nBEGIN\n";
-    let source = format!("{head}{branch}{read}{joined}END_FUNCTION\n");
+    let source = format!("{head}{branch}{read}{joined}{late}END_FUNCTION\n");
     fs::write(folder.join("branch.stl"), source).expect("the folder can be written");
     let arguments = ["view", "branch.stl", "--cpu", "315-2DP", "-o", "drawings"];
     let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
@@ -152,6 +154,7 @@ fn a_local_bit_of_a_branch_is_a_line() {
         (1, [(">I 0.0<", 1), (">I 0.2<", 1), (">L 20.0<", 0)]),
         (2, [(">I 0.0<", 1), (">Q 4.3<", 1), (">L 20.1<", 3)]),
         (3, [(">I 0.0<", 1), (">Q 4.4<", 1), (">L 20.2<", 3)]),
+        (4, [(">I 0.0<", 1), (">Q 4.5<", 2), (">L 20.3<", 2)]),
     ] {
         let picture = fs::read_to_string(folder.join(format!("drawings/FC_5_network_{number}.svg")));
         let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));

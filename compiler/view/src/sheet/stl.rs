@@ -29,9 +29,19 @@ struct Maker<'a> {
     loaded: Vec<Label>,
     /// The span was assigned: only further coils follow it.
     assigned: bool,
-    /// The spans that local bits keep, and whether a branch continues them: STEP 7 writes branches like that. None: they are coils and
-    /// contacts.
-    kept: Option<HashMap<String, (Span, bool)>>,
+    /// What local bits keep: STEP 7 writes branches like that. None: they are coils and contacts.
+    kept: Option<HashMap<String, Kept>>,
+    /// Rungs that have begun after an assignment.
+    begun: usize,
+}
+
+/// What a local bit keeps.
+struct Kept {
+    span: Span,
+    /// A branch continues it.
+    is_used: bool,
+    /// The rungs that had begun.
+    begun: usize,
 }
 
 /// The rungs of a network. `label` finds an operand. `Err`: why it cannot be drawn.
@@ -65,6 +75,7 @@ fn rungs(
         outer: Vec::new(),
         loaded: Vec::new(),
         assigned: false,
+        begun: 0,
     };
     let count = statements.len();
     for (at, statement) in statements.iter().enumerate() {
@@ -88,7 +99,7 @@ fn rungs(
         }
     }
     let open = maker.span.is_some() && !maker.assigned || !maker.outer.is_empty();
-    let unused = maker.kept.iter().flat_map(HashMap::values).any(|(_, is_used)| !is_used);
+    let unused = maker.kept.iter().flat_map(HashMap::values).any(|kept| !kept.is_used);
     match () {
         () if unused => Err("a local bit is not used".to_string()),
         () if maker.rungs.part_count() == 0 => Err(String::new()),
@@ -218,6 +229,7 @@ impl Maker<'_> {
     fn begin(&mut self) {
         if self.assigned && self.outer.is_empty() {
             (self.span, self.branch, self.assigned) = (None, None, false);
+            self.begun += 1;
         }
     }
 
@@ -240,8 +252,9 @@ impl Maker<'_> {
             StlInsn::Assign => {
                 self.close_branch()?;
                 let span = self.span.ok_or("has no logic before it")?;
-                let before = self.kept.get_or_insert_default().insert(bit, (span, false));
-                if matches!(before, Some((_, false))) {
+                let kept = Kept { span, is_used: false, begun: self.begun };
+                let before = self.kept.get_or_insert_default().insert(bit, kept);
+                if before.is_some_and(|before| !before.is_used) {
                     return Err("is written again before it is used".to_string());
                 }
                 self.assigned = true;
@@ -249,12 +262,15 @@ impl Maker<'_> {
             }
             StlInsn::And if self.span.is_none() && self.branch.is_none() || self.assigned => {
                 let kept = self.kept.as_mut().and_then(|kept| kept.get_mut(&bit));
-                let (span, is_used) = kept.ok_or("is no branch")?;
-                *is_used = true;
-                (self.span, self.branch, self.assigned) = (Some(Span { shared: true, ..*span }), None, false);
+                let kept = kept.ok_or("is not a branch")?;
+                if kept.begun != self.begun {
+                    return Err("continues a rung after another one has begun".to_string());
+                }
+                kept.is_used = true;
+                (self.span, self.branch, self.assigned) = (Some(Span { shared: true, ..kept.span }), None, false);
                 Ok(())
             }
-            _ => Err("is no branch".to_string()),
+            _ => Err("is not a branch".to_string()),
         }
     }
 
