@@ -44,30 +44,11 @@ impl Maker<'_> {
         let of_source = [("src", last.ty)];
         let converting = |source: Elementary| [("src", source), ("dest", value.ty)];
         let middle = converting(arguments.get(1).unwrap_or(last).ty);
-        let (name, types, pins): (&str, Types, &[&str]) = match function {
-            Function::NormX => ("NORM_X", &middle, &["MIN", "VALUE", "MAX"]),
-            Function::ScaleX => ("SCALE_X", &middle, &["MIN", "VALUE", "MAX"]),
-            Function::Limit => ("LIMIT", &of_value, &["MN", "IN", "MX"]),
-            Function::Encode => ("ENCO", &of_source, &["IN"]),
-            Function::Decode => ("DECO", &middle, &["IN"]),
-            Function::BitSum => ("BITSUM", &of_source, &["IN"]),
-            Function::Frac => ("FRAC", &of_value, &["IN"]),
-            Function::Sqr
-            | Function::Sqrt
-            | Function::Exp
-            | Function::Expd
-            | Function::Ln
-            | Function::Log
-            | Function::Sin
-            | Function::Cos
-            | Function::Tan
-            | Function::Asin
-            | Function::Acos
-            | Function::Atan
-            | Function::Select
-            | Function::Mux { .. }
-            | Function::Swap
-            | Function::IsValid => return false,
+        let Some((name, pins)) = instruction_of(function) else { return false };
+        let types: Types = match function {
+            Function::NormX | Function::ScaleX | Function::Decode => &middle,
+            Function::Limit | Function::Frac => &of_value,
+            _ => &of_source,
         };
         let inputs: Vec<(&str, &Expr)> = pins.iter().copied().zip(arguments).collect();
         self.instruction(name, types, &inputs, value)
@@ -130,36 +111,42 @@ impl Maker<'_> {
     }
 }
 
+/// The instruction with types that does what a function of the language does, and its inputs.
+fn instruction_of(function: Function) -> Option<(&'static str, &'static [&'static str])> {
+    Some(match function {
+        Function::NormX => ("NORM_X", &["MIN", "VALUE", "MAX"]),
+        Function::ScaleX => ("SCALE_X", &["MIN", "VALUE", "MAX"]),
+        Function::Limit => ("LIMIT", &["MN", "IN", "MX"]),
+        Function::Encode => ("ENCO", &["IN"]),
+        Function::Decode => ("DECO", &["IN"]),
+        Function::BitSum => ("BITSUM", &["IN"]),
+        Function::Frac => ("FRAC", &["IN"]),
+        Function::Sqr
+        | Function::Sqrt
+        | Function::Exp
+        | Function::Expd
+        | Function::Ln
+        | Function::Log
+        | Function::Sin
+        | Function::Cos
+        | Function::Tan
+        | Function::Asin
+        | Function::Acos
+        | Function::Atan
+        | Function::Select
+        | Function::Mux { .. }
+        | Function::Swap
+        | Function::IsValid => return None,
+    })
+}
+
 /// An instruction is called for it where the CPU has that.
 pub fn is_called(value: &Expr) -> bool {
     match &value.kind {
         ExprKind::Binary { op: BinaryOp::Min | BinaryOp::Max, .. } => !has_order(value.ty),
         ExprKind::Convert { conversion, operand } => super::convert::is_called(*conversion, operand, value.ty),
-        ExprKind::Function { function, .. } => match function {
-            Function::Limit => !has_order(value.ty),
-            Function::NormX
-            | Function::ScaleX
-            | Function::Encode
-            | Function::Decode
-            | Function::BitSum
-            | Function::Frac => true,
-            Function::Sqr
-            | Function::Sqrt
-            | Function::Exp
-            | Function::Expd
-            | Function::Ln
-            | Function::Log
-            | Function::Sin
-            | Function::Cos
-            | Function::Tan
-            | Function::Asin
-            | Function::Acos
-            | Function::Atan
-            | Function::Select
-            | Function::Mux { .. }
-            | Function::Swap
-            | Function::IsValid => false,
-        },
+        ExprKind::Function { function: Function::Limit, .. } => !has_order(value.ty),
+        ExprKind::Function { function, .. } => instruction_of(*function).is_some(),
         ExprKind::Const(_)
         | ExprKind::Load(_)
         | ExprKind::Unary { .. }
