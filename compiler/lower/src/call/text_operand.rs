@@ -46,6 +46,25 @@ pub struct TextOperand {
 }
 
 impl TextOperand {
+    /// A text at `addr`, that is at `address`, of which nothing else is known.
+    fn new(addr: Address, address: Value, room: Value, declared: u8, ok: Value) -> TextOperand {
+        TextOperand {
+            addr,
+            address,
+            room,
+            limit: room,
+            declared,
+            characters: None,
+            constant: Vec::new(),
+            own: None,
+            longest: None,
+            formal: None,
+            is_result: false,
+            is_whole: false,
+            ok,
+        }
+    }
+
     /// The same text, of which it is known what it has at most.
     pub fn with_longest(self, longest: Option<u32>) -> TextOperand {
         TextOperand { longest, ..self }
@@ -83,21 +102,9 @@ impl BlockLowering<'_, '_> {
     pub fn text_in_frame(&mut self, addr: Address, declared: u8) -> TextOperand {
         let (address, room) = (self.b.address_of(addr), self.b.i32_const(LOCAL.into()));
         let limit = self.b.i32_const(ROOM_MAX);
-        TextOperand {
-            addr,
-            address,
-            room,
-            limit,
-            declared,
-            characters: None,
-            constant: Vec::new(),
-            own: self.own_text(addr, declared),
-            longest: None,
-            formal: None,
-            is_result: false,
-            is_whole: false,
-            ok: self.b.bool_const(true),
-        }
+        let own = self.own_text(addr, declared);
+        let ok = self.b.bool_const(true);
+        TextOperand { limit, own, ..TextOperand::new(addr, address, room, declared, ok) }
     }
 
     /// A constant with its head, for which there is room in this block's frame.
@@ -154,62 +161,27 @@ impl BlockLowering<'_, '_> {
             None => byte,
         };
         let room = self.room(length, byte);
-        Some(TextOperand {
-            addr,
-            address,
-            room,
-            limit: room,
-            declared,
-            characters: None,
-            constant: Vec::new(),
-            own: None,
-            longest: None,
-            formal: None,
-            is_result: false,
-            is_whole: false,
-            ok,
-        })
+        Some(TextOperand::new(addr, address, room, declared, ok))
     }
 
     /// A text with a `declared` maximum at `addr`, all of which exists if `ok`: where it is need not be known. Only for functions that are done
     /// without a call.
     pub fn whole_text(&mut self, addr: Address, declared: u8, ok: Value) -> TextOperand {
         let (address, room) = (self.b.address_of(addr), self.b.i32_const(declared.into()));
-        TextOperand {
-            addr,
-            address,
-            room,
-            limit: room,
-            declared,
-            characters: None,
-            constant: Vec::new(),
-            own: None,
-            longest: None,
-            formal: None,
-            is_result: false,
-            is_whole: true,
-            ok,
-        }
+        TextOperand { is_whole: true, ..TextOperand::new(addr, address, room, declared, ok) }
     }
 
     /// The text that a formal parameter of this function is, at `addr`; what its pointer says was found out where the function began.
     pub fn formal_text(&mut self, addr: Address, formal: FormalText) -> TextOperand {
         let FormalText { room, limit, ok, own, parameter, .. } = formal;
         let declared = formal.declared();
+        let address = self.b.address_of(addr);
         TextOperand {
-            addr,
-            address: self.b.address_of(addr),
-            room,
             limit,
-            declared,
-            characters: None,
-            constant: Vec::new(),
             own,
             formal: (declared != 0).then_some(parameter),
             is_result: formal.is_room(),
-            longest: None,
-            is_whole: false,
-            ok,
+            ..TextOperand::new(addr, address, room, declared, ok)
         }
     }
 
@@ -251,21 +223,7 @@ impl BlockLowering<'_, '_> {
         let address = self.b.address_of(addr);
         let FormalText { room, limit, ok: known, .. } = self.room_at_pointer(fields, declared);
         let ok = self.b.and(ok, known);
-        TextOperand {
-            addr,
-            address,
-            room,
-            limit,
-            declared,
-            characters: None,
-            constant: Vec::new(),
-            own: None,
-            longest: None,
-            formal: None,
-            is_result: false,
-            is_whole: false,
-            ok,
-        }
+        TextOperand { limit, ..TextOperand::new(addr, address, room, declared, ok) }
     }
 
     /// What `fields` say of the text to which they point: it is in a DB, with a `declared` maximum as a whole, or in local data.
