@@ -1,6 +1,6 @@
 //! A block with statements that tests use as the texts of charts.
 
-use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::image::BlockKind;
 use plcc_diag::{SourceFile, SourceMap};
 use plcc_syntax::scl::ast::{Dialect, Statement};
 use plcc_syntax::{ParseOptions, ast};
@@ -8,10 +8,10 @@ use plcc_syntax::{ParseOptions, ast};
 use crate::bind::chart::ChartBinder;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::block::CurrentBlock;
+use crate::bind::declarations::shipped::empty;
 use crate::bind::scl::{SclBlock, Scope};
 use plcc_binding::BindInput;
 use plcc_model::BlockKey;
-use plcc_model::profile;
 
 /// Static data of the function block, from byte 0 on.
 const DATA: &str =
@@ -34,20 +34,7 @@ pub fn in_block<T>(
     let (unit, diagnostics) = plcc_syntax::scl::parse(file, &source, &ParseOptions::default());
     assert!(diagnostics.is_empty(), "{diagnostics:#?}");
     let units = [(file, unit)];
-    let input = BindInput {
-        name: "test".to_string(),
-        sources: &sources,
-        units: &units,
-        tables: &[],
-        profile: profile::generic(Family::S7300),
-        config: Config::default(),
-        partial: false,
-        stand_ins: None,
-        pragmas: true,
-        require_main: false,
-        safety_as_standard: false,
-        plain_charts: false,
-    };
+    let input = BindInput { name: "test".to_string(), units: &units, pragmas: true, ..empty(&sources) };
     let mut program = Declarations::new(&input);
     program.globals.collect();
     program.bind_types();

@@ -1,13 +1,13 @@
 //! Calls and functions as they are bound. Source: SCL reference, calls and functions.
 
-use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::image::BlockKind;
 use plcc_diag::{Diagnostic, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_syntax::{Elementary, Language};
 
 use crate::bind::bind;
+use crate::bind::declarations::shipped::empty;
 use plcc_binding::BindInput;
-use plcc_model::profile;
 use plcc_model::scl::{Actual, BinaryOp, Call, Complex, Conversion, Expr, ExprKind, Function, Instance, StatementKind};
 use plcc_model::{BlockKey, Body, Program};
 
@@ -51,20 +51,7 @@ fn bound(code: &str) -> (Program, Vec<Diagnostic>) {
     let file = sources.add(SourceFile::new("test.scl", text.as_str()));
     let options = ReadOptions { language: Some(Language::Scl), ..ReadOptions::default() };
     let (unit, mut diagnostics) = plcc_readers::parse(file, &text, &options);
-    let (program, messages) = bind(&BindInput {
-        name: "test".to_string(),
-        sources: &sources,
-        units: &[(file, unit)],
-        tables: &[],
-        profile: profile::generic(Family::S7300),
-        config: Config::default(),
-        partial: false,
-        stand_ins: None,
-        pragmas: false,
-        require_main: false,
-        safety_as_standard: false,
-        plain_charts: false,
-    });
+    let (program, messages) = bind(&BindInput { name: "test".to_string(), units: &[(file, unit)], ..empty(&sources) });
     diagnostics.extend(messages);
     (program, diagnostics)
 }

@@ -1,12 +1,13 @@
 //! Declarations of SCL and the TIA Portal: layouts, initial values, constants, views, numbers of blocks.
 
-use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::image::{BlockKind, Family};
 use plcc_abi::names::External;
 use plcc_diag::{Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_syntax::ast::SourceUnit;
 use plcc_syntax::{Language, ParseOptions};
 
 use crate::bind::bind;
+use crate::bind::declarations::shipped::empty;
 use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::types::DataType;
@@ -23,17 +24,10 @@ fn bind_parsed(source: &str, parse: impl Fn(FileId) -> (SourceUnit, Vec<Diagnost
     let (unit, mut diagnostics) = parse(file);
     let (program, bound) = bind(&BindInput {
         name: "test".to_string(),
-        sources: &sources,
         units: &[(file, unit)],
-        tables: &[],
         profile: profile::generic(Family::S71500),
-        config: Config::default(),
-        partial: false,
-        stand_ins: None,
         pragmas: true,
-        require_main: false,
-        safety_as_standard: false,
-        plain_charts: false,
+        ..empty(&sources)
     });
     diagnostics.extend(bound);
     (program, diagnostics)

@@ -7,14 +7,14 @@ mod layers;
 mod library;
 mod partial;
 
-use plcc_abi::image::{AssertKind, BlockKind, Config, Family};
+use plcc_abi::image::{AssertKind, BlockKind};
 use plcc_diag::{Code, Diagnostic, FileId, Severity, SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_stdlib::BlockClass;
 
 use crate::bind::bind;
+use crate::bind::declarations::shipped::empty;
 use plcc_binding::BindInput;
-use plcc_model::profile;
 use plcc_model::types::{DataType, StructType};
 use plcc_model::{Actual, BlockKey, Body, Call, Instance, Operand, Place, Program, StlStatementKind};
 use plcc_readers::symbols;
@@ -33,17 +33,11 @@ fn bind_text(source: &str, table: &str, partial: bool) -> (Program, Vec<Diagnost
     }
     let (program, bound) = bind(&BindInput {
         name: "test".to_string(),
-        sources: &sources,
         units: &[(file, unit)],
         tables: &tables,
-        profile: profile::generic(Family::S7300),
-        config: Config::default(),
         partial,
-        stand_ins: None,
         pragmas: true,
-        require_main: false,
-        safety_as_standard: false,
-        plain_charts: false,
+        ..empty(&sources)
     });
     diagnostics.extend(bound);
     (program, diagnostics)

@@ -1,11 +1,12 @@
 //! Partial programs: a name that is defined nowhere is one warning, and parts that depend on it are not checked.
 
-use plcc_abi::image::{Config, Family};
+use plcc_abi::image::Family;
 use plcc_diag::{SourceFile, SourceMap};
 use plcc_readers::ReadOptions;
 use plcc_syntax::Language;
 
 use crate::bind::bind;
+use crate::bind::declarations::shipped::empty;
 use plcc_binding::BindInput;
 use plcc_model::profile;
 
@@ -18,17 +19,10 @@ fn messages(language: Language, source: &str) -> Vec<String> {
     let (unit, mut diagnostics) = plcc_readers::parse(file, source, &options);
     let (_, bound) = bind(&BindInput {
         name: "part".to_string(),
-        sources: &sources,
         units: &[(file, unit)],
-        tables: &[],
         profile: plcc_abi::image::Profile { limits_checked: false, ..profile::generic(Family::S7300) },
-        config: Config::default(),
         partial: true,
-        stand_ins: None,
-        pragmas: false,
-        require_main: false,
-        safety_as_standard: false,
-        plain_charts: false,
+        ..empty(&sources)
     });
     diagnostics.extend(bound);
     assert!(!diagnostics.iter().any(plcc_diag::Diagnostic::is_error), "{diagnostics:#?}");

@@ -2,12 +2,13 @@
 
 pub(in crate::bind) mod show;
 
-use plcc_abi::image::{BlockKind, Config, Family};
+use plcc_abi::image::{BlockKind, Family};
 use plcc_diag::{Diagnostic, SourceFile, SourceMap};
 use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::{ParseOptions, ast};
 
 use crate::bind::bind;
+use crate::bind::declarations::shipped::empty;
 use plcc_binding::BindInput;
 use plcc_model::profile;
 use plcc_model::{BlockKey, Body, Program};
@@ -32,17 +33,10 @@ fn bind_text(source: &str, (dialect, family, named): Setting) -> (Program, Vec<D
     }
     let (program, bound) = bind(&BindInput {
         name: "test".to_string(),
-        sources: &sources,
         units: &[(file, unit)],
-        tables: &[],
         profile: plcc_abi::image::Profile { limits_checked: named, ..profile::generic(family) },
-        config: Config::default(),
-        partial: false,
-        stand_ins: None,
         pragmas: true,
-        require_main: false,
-        safety_as_standard: false,
-        plain_charts: false,
+        ..empty(&sources)
     });
     diagnostics.extend(bound);
     (program, diagnostics)
