@@ -2,32 +2,44 @@
 //!
 //! Source: System and standard functions, SFC 13 to 15.
 //!
-//! LADDR is the first peripheral byte, RECORD an ANY of type BYTE. 8090 no module, 8092 type, 80B1 length.
+//! LADDR is the first peripheral byte, RECORD an ANY of type BYTE. On an S7-1200/1500, LADDR is the hardware identifier of the module, and RECORD
+//! has any type but BOOL and texts. 8090 no module, 8092 type, 80B1 length.
 
 use super::any::{self, Access, Range};
 use super::parameters::Call;
-use super::{OK, Outcome, error};
+use super::{OK, Outcome, error, hardware};
 use crate::io::PERIPHERAL_BYTES;
 
-/// Type code of BYTE.
+/// Type codes of BOOL and BYTE.
+const BOOL: u8 = 0x01;
 const BYTE: u8 = 0x02;
 
-fn record(call: &Call, index: usize, access: Access) -> Result<Range, u16> {
+/// RECORD, parameter `index`, and the first byte of the module. `Err`: RET_VAL.
+fn record(call: &Call, index: usize, access: Access) -> Result<(u32, Range), u16> {
     let range = any::decode(call, index, access)?.ok_or(0x80B1u16)?;
-    let address = u32::from(call.word(0));
+    let is_portal = call.cpu.image.profile.family.is_portal();
+    let address = match (is_portal, access) {
+        (true, Access::Read) => hardware::first_output(call, call.word(0)),
+        (true, Access::Write) => hardware::first_input(call, call.word(0)),
+        (false, _) => u32::from(call.word(0)),
+    };
+    let fits = match range.type_code {
+        BYTE => true,
+        BOOL | any::STRING | any::WIDE_STRING => false,
+        _ => is_portal,
+    };
     match range {
-        Range { type_code, .. } if type_code != BYTE => Err(0x8092),
+        _ if !fits => Err(0x8092),
         Range { existing, bytes, .. } if existing < bytes || address + bytes > PERIPHERAL_BYTES => Err(0x80B1),
-        _ => Ok(range),
+        _ => Ok((address, range)),
     }
 }
 
 pub(super) fn dprd_dat(call: &Call) -> Outcome {
-    let range = match record(call, 2, Access::Write) {
-        Ok(range) => range,
+    let (address, range) = match record(call, 2, Access::Write) {
+        Ok(found) => found,
         Err(code) => return error(code),
     };
-    let address = u32::from(call.word(0));
     let (driver, memory) = (&call.cpu.driver, &call.cpu.memory);
     if driver.read(address, range.bytes.min(1)).is_none() {
         return error(0x8090);
@@ -43,11 +55,10 @@ pub(super) fn dprd_dat(call: &Call) -> Outcome {
 }
 
 pub(super) fn dpwr_dat(call: &Call) -> Outcome {
-    let range = match record(call, 1, Access::Read) {
-        Ok(range) => range,
+    let (address, range) = match record(call, 1, Access::Read) {
+        Ok(found) => found,
         Err(code) => return error(code),
     };
-    let address = u32::from(call.word(0));
     for index in 0..range.bytes {
         let value = u32::from(call.cpu.memory.byte(range.offset + index));
         if call.cpu.peripheral_write(address + index, 1, value) {

@@ -52,6 +52,24 @@ fn module<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
     })
 }
 
+/// First byte of the inputs that DPRD_DAT reads with the hardware identifier `id`. The identifier of no module is an address.
+pub(super) fn first_input(call: &Call, id: u16) -> u32 {
+    let address = u32::from(id & !OUTPUTS);
+    match module(call, id) {
+        Some(module) if id & OUTPUTS != 0 && module.input_bytes != 0 => module.input_start,
+        _ => address,
+    }
+}
+
+/// First byte of the outputs that DPWR_DAT writes with the hardware identifier `id`: those of the module, also if `id` is that of its inputs. The
+/// identifier of no module is an address.
+pub(super) fn first_output(call: &Call, id: u16) -> u32 {
+    let address = u32::from(id & !OUTPUTS);
+    let Some(module) = module(call, id) else { return address };
+    let is_own = address >= module.output_start && address - module.output_start < module.output_bytes;
+    if module.output_bytes == 0 || is_own { address } else { module.output_start }
+}
+
 /// The hardware identifier of a module.
 fn identifier(module: &Module) -> u16 {
     match module.input_bytes {
