@@ -67,6 +67,20 @@ impl Look<'_, '_> {
         }
     }
 
+    /// The missing name or block that the start of a place is if nothing defines it: a symbol table may say the number of a block.
+    pub fn meant(&self, start: &Start) -> Option<Missing> {
+        match start {
+            Start::Local(_) => None,
+            Start::Global(name) => match self.program.globals.global(name) {
+                Some(SymbolTarget::Block { prefix, number }) if !self.is_missing(name) => {
+                    Missing::block(prefix, number)
+                }
+                _ => Some(Missing::name(name)),
+            },
+            Start::Block(prefix, number) => Missing::block(*prefix, *number),
+        }
+    }
+
     fn numbered(
         &mut self,
         prefix: BlockPrefix,

@@ -257,7 +257,9 @@ impl Look<'_, '_> {
         if let NodeKind::Member { base, name } = &callee.kind
             && let Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) =
                 SclBinder::new(self.program).quiet_block(ctx, base)
-            && let Some(of) = block_named(base).or_else(|| Missing::block(prefix, u32::from(number)))
+            && let Some(numbered) = Missing::block(prefix, u32::from(number))
+            && !self.found.things.contains_key(&numbered)
+            && let Some(of) = block_named(base).or(Some(numbered))
             && !self.found.things.contains_key(&of)
             && self.is_block(prefix, u32::from(number))
         {
@@ -315,11 +317,7 @@ impl Look<'_, '_> {
 
     /// The missing name at the start of a place, if it is missing.
     fn missing_block(&mut self, ctx: &SclBlock, start: &Start) -> Option<Missing> {
-        let missing = match start {
-            Start::Global(name) => Missing::name(name),
-            Start::Block(prefix, number) => Missing::block(*prefix, *number)?,
-            Start::Local(_) => return None,
-        };
+        let missing = self.meant(start)?;
         self.lies_in_missing(ctx, start, &[], Span::default()).then_some(missing)
     }
 
@@ -463,13 +461,13 @@ impl Look<'_, '_> {
     }
 }
 
-/// The data block after a function block.
 /// A block that is called by its name. Its number may change, as long as no source fixes it.
 fn block_named(node: &Node) -> Option<Missing> {
     let NodeKind::Name(name) = &node.kind else { return None };
     plcc_syntax::scl::absolute(&name.text).is_none().then(|| Missing::name(&name.text))
 }
 
+/// The data block after a function block.
 fn instance_start(name: &Name) -> Start {
     match plcc_syntax::scl::absolute(&name.text) {
         Some(OperandKind::Block(BlockName::Numbered { prefix, number, .. })) => Start::Block(prefix, number),

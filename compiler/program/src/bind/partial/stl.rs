@@ -258,11 +258,7 @@ impl Look<'_, '_> {
             _ => None,
         });
         let mut is_missing = false;
-        let missing = match &start {
-            Start::Global(name) => Some(Missing::name(name)),
-            Start::Block(prefix, number) => Missing::block(*prefix, *number),
-            Start::Local(_) => None,
-        };
+        let missing = self.meant(&start);
         self.with_shape(ctx, &start, &steps, span, &mut |shape| {
             is_missing = true;
             let interface = shape.call.get_or_insert_default();
