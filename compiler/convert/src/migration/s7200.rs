@@ -15,16 +15,27 @@ pub(super) fn collect(program: &Program, reference: &Reference, rows: &mut Rows)
         let Body::S7200(body) = &block.body else { continue };
         for statement in &body.statements {
             let place = rows.at(statement.span);
-            match &statement.kind {
+            let operands = match &statement.kind {
                 StatementKind::Instruction { insn, operands } => {
                     let name = insn.mnemonic(plcc_syntax::stl::Mnemonics::En);
                     rows.add(name, instruction(*insn), place.clone());
                     if let (Insn::Atch, Some(Operand::Const(number))) = (insn, operands.get(1)) {
-                        rows.add(format!("event {number}"), event(*number), place);
+                        rows.add(format!("event {number}"), event(*number), place.clone());
                     }
+                    operands
                 }
-                StatementKind::Call { .. } => rows.add("CALL", instruction(Insn::Call), place),
-                StatementKind::Assert(_) | StatementKind::Sleep(_) => {}
+                StatementKind::Call { arguments, .. } => {
+                    rows.add("CALL", instruction(Insn::Call), place.clone());
+                    arguments
+                }
+                StatementKind::Assert(_) | StatementKind::Sleep(_) => continue,
+            };
+            let is_pointer = |operand: &Operand| matches!(operand, Operand::Indirect { .. });
+            if operands.iter().any(is_pointer) || takes_address(&place.text) {
+                rows.add("pointers", POINTER, place.clone());
+            }
+            if operands.iter().any(is_accumulator) {
+                rows.add("AC", ACCUMULATOR, place);
             }
         }
     }
@@ -35,6 +46,24 @@ pub(super) fn collect(program: &Program, reference: &Reference, rows: &mut Rows)
     }
 }
 
+/// Whether a statement has the address of an operand, `&VB100`, which is a number where it is bound.
+fn takes_address(statement: &str) -> bool {
+    statement.split(['\'', '"']).step_by(2).any(|outside_of_quotes| outside_of_quotes.contains('&'))
+}
+
+/// Whether an operand is an accumulator, or found by one: `AC0`, `*AC1`.
+fn is_accumulator(operand: &Operand) -> bool {
+    match operand {
+        Operand::Accumulator { .. } => true,
+        Operand::Indirect { pointer, .. } => is_accumulator(pointer),
+        _ => false,
+    }
+}
+
+const POINTER: Verdict =
+    (Changes, "elements of an array by their index, or PEEK and POKE in SCL; a variable has no address as a number");
+const ACCUMULATOR: Verdict =
+    (Changes, "a temporary variable, or a component of a data block where several blocks use it");
 const CONTACT: Verdict = (Carries, "");
 const BOX: Verdict = (Carries, "");
 const TWO_INPUTS: Verdict =
