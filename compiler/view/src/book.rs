@@ -126,7 +126,7 @@ pub fn book_with(
     let types = Types::new(units.iter().map(|(_, unit)| *unit), &[]);
     for (text, unit) in units {
         let text = unit.overlay.as_deref().unwrap_or(text);
-        let maker = Maker { text, unit, names, program, types: &types, options };
+        let maker = Maker { text, unit, units, names, program, types: &types, options };
         for block in &unit.blocks {
             match block {
                 ast::Block::Code(block) => book.pages.push(maker.code(block)),
@@ -151,6 +151,8 @@ pub fn book_with(
 struct Maker<'a> {
     text: &'a str,
     unit: &'a SourceUnit,
+    /// All sources of the program.
+    units: &'a [(&'a str, &'a SourceUnit)],
     names: &'a Names,
     program: Option<&'a Program>,
     types: &'a Types<'a>,

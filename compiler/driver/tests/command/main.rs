@@ -15,6 +15,7 @@ mod rename;
 mod stations;
 mod status;
 mod view;
+mod view_s7200;
 
 use std::path::Path;
 use std::process::{Command, Output};

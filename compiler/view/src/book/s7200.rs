@@ -45,7 +45,11 @@ impl Maker<'_> {
         for (at, network) in block.networks.iter().enumerate() {
             // Micro/WIN writes symbols without quotes.
             let label = |operand: &s7200::Operand| {
-                let label = self.names.label(&self.words(operand.span), scope);
+                let words = self.words(operand.span);
+                let label = match (&operand.shown, words.rsplit_once(':')) {
+                    (Some(_), Some((symbol, address))) => self.symbol_with_address(symbol, address, scope),
+                    _ => self.names.label(&words, scope),
+                };
                 match label.text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
                     Some(bare) if !label.key.is_empty() => sheet::Label { text: bare.to_string(), ..label },
                     _ => label,
@@ -63,11 +67,18 @@ impl Maker<'_> {
         page
     }
 
+    /// `Start:I0.0`, `#Raw:LW0`, `Fill:SBR0`.
+    fn symbol_with_address(&self, symbol: &str, address: &str, scope: Scope) -> sheet::Label {
+        let (symbol, address) = (symbol.trim(), address.trim());
+        let key = self.names.key(if symbol.starts_with('#') { symbol } else { address }, scope).unwrap_or_default();
+        sheet::Label { text: symbol.to_string(), address: address.to_string(), key, ..sheet::Label::default() }
+    }
+
     /// The parameters of a subroutine of the S7-200, and whether they are outputs.
     fn parameters(&self, name: &str) -> Option<Vec<(String, bool)>> {
         let name = name.trim_matches('"');
-        let mut blocks = self.unit.s7200.iter().flat_map(|source| &source.blocks);
-        let block = blocks.find(|block| {
+        let sources = self.units.iter().filter_map(|(_, unit)| unit.s7200.as_ref());
+        let block = sources.flat_map(|source| &source.blocks).find(|block| {
             let number = block
                 .number
                 .is_some_and(|(number, _)| name.replace(' ', "").eq_ignore_ascii_case(&format!("SBR{number}")));

@@ -1,0 +1,46 @@
+//! `plcc view` of programs for the S7-200.
+
+use std::fs;
+
+use crate::plcc;
+
+/// The texts in the pictures of the first `networks` networks of MAIN, in a program of these sources.
+fn texts(sources: &[(&str, &str)], networks: usize) -> Vec<Vec<String>> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for (name, text) in sources {
+        fs::write(folder.join(name), text).expect("the folder can be written");
+    }
+    let output = plcc(folder, &["view", ".", "--partial", "-o", "drawings"]);
+    let shown = |number: usize| {
+        let picture = fs::read_to_string(folder.join(format!("drawings/OB_1_network_{number}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        let texts = picture.split("</text>").filter_map(|text| text.rsplit('>').next().map(str::to_owned));
+        texts.filter(|text| !text.trim().is_empty()).collect::<Vec<String>>()
+    };
+    (1..=networks).map(shown).collect()
+}
+
+#[test]
+fn a_call_has_the_parameters_of_a_subroutine_in_another_source() {
+    let call = |name: &str| format!("NETWORK\nLD SM0.0\nCALL {name}, I0.0, 5, Q1.0\n");
+    let calls: String = ["Motor", "SBR3", "Motor:SBR3"].map(call).concat();
+    let main = format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n{calls}END_ORGANIZATION_BLOCK\n");
+    let motor = "SUBROUTINE_BLOCK Motor:SBR3\nVAR_INPUT\nGo:BOOL;\nSpeed:INT;\nEND_VAR\nVAR_OUTPUT\nRuns:BOOL;\nEND_VAR\n\
+                 BEGIN\nNETWORK\nLD #Go\nAW> #Speed, 0\n= #Runs\nEND_SUBROUTINE_BLOCK\n";
+    let sources = [("main.awl", main.as_str()), ("motor.awl", motor)];
+    for (shown, title) in texts(&sources, 3).iter().zip(["Motor", "SBR3", "Motor"]) {
+        for text in [title, "EN", "Go", "Speed", "Runs"] {
+            assert!(shown.iter().any(|shown| shown == text), "{text} in {shown:?}");
+        }
+    }
+}
+
+#[test]
+fn the_address_of_a_symbol_is_below_it() {
+    let main = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK\nLD Begin:I0.0\n= Lamp:Q0.0\nEND_ORGANIZATION_BLOCK\n";
+    let shown = texts(&[("main.awl", main)], 1).concat();
+    for text in ["Begin", "I0.0", "Lamp", "Q0.0"] {
+        assert!(shown.iter().any(|shown| shown == text), "{text} in {shown:?}");
+    }
+}
