@@ -12,7 +12,7 @@ use crate::gr7::tree::{Clause, Head, Item, Part};
 use plcc_syntax::chart::ast::{
     Action, ActionBody, Coil, Condition, Permanent, PermanentKind, Qualifier, Step, Transition,
 };
-use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind};
+use plcc_syntax::scl::ast::{BinaryOp, Expr, ExprKind, Name};
 
 /// Builds a step from its parts.
 pub fn step<'a>(
@@ -62,9 +62,9 @@ pub fn transition<'a>(state: &mut State<'a>, head: Head, clauses: Vec<Clause<'a>
     for clause in clauses {
         match clause {
             Clause::Comment(text) => transition.comment.extend(pragma::lines(text)),
-            Clause::From(names) => transition.from.extend(names),
+            Clause::From(names) => steps(state, &mut transition.from, names, "FROM"),
             Clause::To(names, jump) => {
-                transition.to.extend(names);
+                steps(state, &mut transition.to, names, "TO");
                 transition.jump |= jump;
             }
             Clause::Condition(condition, span) => keep(state, &mut transition.condition, condition, span, "condition"),
@@ -72,6 +72,29 @@ pub fn transition<'a>(state: &mut State<'a>, head: Head, clauses: Vec<Clause<'a>
         }
     }
     Part::Transition(transition, head.number)
+}
+
+/// Keeps the steps of the first of several clauses `word`.
+fn steps(state: &mut State, before: &mut Vec<Name>, names: Vec<Name>, word: &str) {
+    let (Some(first), Some(second)) = (place_of(before), place_of(&names)) else { return before.extend(names) };
+    let written: Vec<&str> = before.iter().chain(&names).map(|name| &state.text[name.span.range()]).collect();
+    let written = written.join(", ");
+    let help = match word {
+        "FROM" => {
+            format!("write `FROM ({written})` if all these steps are before the transition, TO for those after it")
+        }
+        _ => format!("write `TO ({written})` if all these steps are after the transition, FROM for those before it"),
+    };
+    state.report(
+        Diagnostic::new(Code::Syntax, second, format!("a second {word}"))
+            .label("there is already one")
+            .also(first, "the first one")
+            .help(help),
+    );
+}
+
+fn place_of(names: &[Name]) -> Option<Span> {
+    Some(names.first()?.span.to(names.last()?.span))
 }
 
 /// Keeps the first of several conditions.
