@@ -192,6 +192,9 @@ impl ChartBinder<'_, '_> {
     /// The time of a timer: an S5TIME, or a WORD in the same format.
     fn timer_time(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
         let value = self.scl().value(ctx, &plain_time(node))?;
+        if matches!(Shape::of(&value), Shape::Of(Elementary::Time)) && self.refuse_negative(&value) {
+            return None;
+        }
         match (&value, Shape::of(&value)) {
             (Value::Constant(Constant::Typed { ty: Elementary::Time, bits }, span), _)
                 if *bits > TIMER_MILLISECONDS_MAX =>

@@ -12,7 +12,9 @@ use crate::bind::scl::convert::explicit_expr;
 use crate::bind::scl::message::described;
 use crate::bind::scl::numeric::Shape;
 use crate::bind::scl::place::{Spot, Thing};
+use crate::bind::scl::value::Value;
 use crate::bind::scl::{Intent, SclBlock};
+use plcc_binding::constant::Constant;
 use plcc_binding::rewrite;
 use plcc_model::layout;
 use plcc_model::scl::Expr;
@@ -63,6 +65,9 @@ impl ChartBinder<'_, '_> {
     /// The time of D and L, a TIME.
     pub fn action_time(&mut self, ctx: &mut SclBlock, node: &Node) -> Option<Expr> {
         let value = self.scl().value(ctx, &plain_time(node))?;
+        if self.refuse_negative(&value) {
+            return None;
+        }
         match Shape::of(&value) {
             Shape::Of(Elementary::Time | Elementary::Dword | Elementary::Dint | Elementary::S5Time) => {
                 let value = self.scl().own_type(ctx, value)?;
@@ -80,6 +85,24 @@ impl ChartBinder<'_, '_> {
                 None
             }
         }
+    }
+
+    /// Refuses a constant time below zero; whether it is one.
+    pub fn refuse_negative(&mut self, value: &Value) -> bool {
+        let Value::Constant(Constant::Typed { ty: Elementary::Time | Elementary::Dint, bits }, span) = value else {
+            return false;
+        };
+        if (*bits as u32).cast_signed() >= 0 {
+            return false;
+        }
+        let written = self.program.globals.text(*span);
+        let help = match written.contains("#-") {
+            true => format!("write `{}`", written.replacen('-', "", 1).trim()),
+            false => "write a time above zero".to_owned(),
+        };
+        let title = format!("`{written}` is below zero");
+        self.scl().refuse(Code::ActionOperand, *span, &title, "the time of an action is not negative", &help);
+        true
     }
 }
 
