@@ -1,14 +1,18 @@
 //! Networks: the compile units of a block, each in its language.
 
+use std::collections::HashSet;
+
 use plcc_diag::{Code, Diagnostic, Severity};
 use plcc_literal::distance::nearest;
 use roxmltree::Node;
 
 use super::block::SAFETY;
+use super::parts::{End, Parts};
 use super::reader::{Reader, multilingual, setting};
 use super::{graph, parts, schema, statements, tokens};
 use crate::xml::{child, elements, head, is, text_of};
 use plcc_syntax::network::ast::{Content, Graph, Language, Network};
+use plcc_syntax::network::elements::Kind;
 use plcc_syntax::scl::ast::Name;
 
 /// The compile units of a block.
@@ -59,6 +63,7 @@ pub fn content(
         (Some(language @ (Language::Lad | Language::Fbd)), Some(source)) if is(source, "FlgNet") => {
             match parts::read(reader, source, whose) {
                 Ok(mut found) => {
+                    open_inputs(reader, &found, whose);
                     labels = std::mem::take(&mut found.labels);
                     Content::Graphic(graph::build(found, language))
                 }
@@ -102,6 +107,34 @@ pub fn content(
         schema::check(reader, source, schema::Place::Code, whose);
     }
     (labels, content)
+}
+
+/// Reports sums and similar boxes with an input after the second one that nothing feeds. What every box needs is checked for all files alike.
+fn open_inputs(reader: &mut Reader, found: &Parts, whose: &str) {
+    let mut fed: HashSet<(usize, &str)> = HashSet::new();
+    for wire in &found.wires {
+        let feeds = |end: &End| matches!(end, End::Rail | End::Operand(_) | End::Pin { output: true, .. });
+        if wire.ends.iter().any(feeds) {
+            fed.extend(wire.ends.iter().filter_map(|end| match end {
+                End::Pin { part, name, output: false, .. } => Some((*part, name.as_str())),
+                End::Pin { .. } | End::Rail | End::Operand(_) | End::Open => None,
+            }));
+        }
+    }
+    for (at, part) in found.parts.iter().enumerate() {
+        let (Some(row), Some(count)) = (part.row(), part.card) else { continue };
+        if !matches!(row.kind, Kind::Operator(_) | Kind::Function("MIN" | "MAX")) {
+            continue;
+        }
+        if let Some(open) = (3..=count).find(|number| !fed.contains(&(at, format!("in{number}").as_str()))) {
+            let title = format!("`{}` has {count} inputs, but nothing is connected to `in{open}`", row.name);
+            reader.diagnostics.push(
+                Diagnostic::new(Code::MissingParameter, part.span, title)
+                    .label(format!("in {whose}"))
+                    .help(format!("connect `in{open}`, or write in `Card` how many inputs there are")),
+            );
+        }
+    }
 }
 
 /// The languages of networks in LAD and FBD; the suffixes are those of old versions and of libraries.
