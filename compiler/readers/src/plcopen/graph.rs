@@ -1,6 +1,7 @@
 //! Objects of a network as elements and nets.
 
 mod floats;
+mod instances;
 mod places;
 mod signals;
 mod variables;
@@ -273,6 +274,7 @@ impl Build<'_, '_, '_> {
         let target = match row {
             Some(row) => Target::Element { row, instance: instance.clone().filter(|_| !flip_flop) },
             None => {
+                self.check_instance(object);
                 let callee = instance.clone().unwrap_or_else(|| name(object.name.clone(), NameForm::Bare, span));
                 Target::Block { callee, instance: None }
             }

@@ -1,0 +1,28 @@
+//! Instances: the block that is drawn is that of the variable.
+
+use super::super::objects::Object;
+use super::super::types::Ty;
+use super::Build;
+use plcc_diag::{Code, Diagnostic};
+
+impl Build<'_, '_, '_> {
+    /// Reports a block whose instance is declared with another type, although only the name of the instance is needed to call it.
+    pub(super) fn check_instance(&mut self, object: &Object) {
+        let Some(range) = object.instance.clone() else { return };
+        let Some(Ty::Named(declared)) = self.type_of(range.clone()) else { return };
+        // The editor writes the name of a library before a point, or not.
+        let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_lowercase();
+        if last(&object.name) == last(&declared) {
+            return;
+        }
+        // The data of library blocks may have another name.
+        if plcc_stdlib::blocks().iter().any(|block| block.name.eq_ignore_ascii_case(&object.name)) {
+            return;
+        }
+        let instance = self.reader.overlay.get(range).unwrap_or_default().trim();
+        let title = format!("`{instance}` is not an instance of `{}`", object.name);
+        let help = format!("write the type that `{instance}` is declared with, or name another instance");
+        let message = Diagnostic::new(Code::NoBlockFits, object.span, title);
+        self.reader.messages.push(message.label("the variable is declared with another type").help(help));
+    }
+}
