@@ -148,7 +148,7 @@ impl Repair<'_> {
     }
 
     /// Index after the name of a block or an instance at `first`: `"Motor"`, `#motor.inner`, `FC 1`.
-    fn end_of_callee(&self, first: usize) -> Option<usize> {
+    pub(super) fn end_of_callee(&self, first: usize) -> Option<usize> {
         let token = self.beside(first)?;
         let is_name = matches!(token.kind, RawKind::Word | RawKind::Quoted | RawKind::Local);
         if !is_name || token.keyword.is_some() {

@@ -48,7 +48,12 @@ impl Repair<'_> {
             }
             RawKind::Slash => self.half_comment(token),
             RawKind::Star => self.end_of_no_comment(),
-            RawKind::Comma => self.comma_at_end() || self.several_targets() || self.comma_between_assignments(),
+            RawKind::Comma => {
+                self.comma_at_end()
+                    || self.block_and_instance()
+                    || self.several_targets()
+                    || self.comma_between_assignments()
+            }
             RawKind::DotDot => self.open_range(),
             RawKind::LeftBracket => self.list_of_values(),
             RawKind::LeftBrace => self.index_in_braces(),

@@ -257,6 +257,35 @@ impl Repair<'_> {
         true
     }
 
+    /// `"Motor", "Motor_DB" (on := TRUE);`: a call of STL without CALL.
+    pub(super) fn block_and_instance(&mut self) -> bool {
+        let (first, at) = (self.statement, self.at);
+        let outside = self.brackets.is_empty() && self.head.is_none() && first < at;
+        let is_name = |kind| matches!(kind, Some(RawKind::Word | RawKind::Quoted | RawKind::Local));
+        if !outside || !is_name(self.kind(first)) || self.keyword(first).is_some() || self.operand_end(first) != at {
+            return false;
+        }
+        let block = self.words(first, at - 1);
+        let Some(open) = self.end_of_callee(at + 1).filter(|open| self.kind(*open) == Some(RawKind::LeftParen)) else {
+            return false;
+        };
+        let end = self.end_of_statement(open);
+        let is_whole = self.closing(open).is_some_and(|close| close + 1 == end);
+        if !is_whole || block.contains(['(', '[']) {
+            return false;
+        }
+        let instance = self.words(at + 1, open - 1);
+        // `FB1, DB5 (…)`
+        let callee = match address::numbered_block(instance) {
+            Some(_) => format!("{block}.{instance}"),
+            None => instance.to_owned(),
+        };
+        let title = "a block is called by its name alone".to_owned();
+        self.report(first, at + 1, title, "a form of STL", format!("write `{callee}( … );`"));
+        self.give_up(end);
+        true
+    }
+
     /// `a, b := 1;`, `a, b := c, d;`
     pub(super) fn several_targets(&mut self) -> bool {
         const LOOK_MAX: usize = 40;
