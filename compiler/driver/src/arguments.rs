@@ -1,10 +1,12 @@
 //! Mistakes in arguments that the parser of the command line takes for something else: a decimal comma in `--set X=1,5`, where commas
-//! separate values, a blank in such a list, a source where a command is expected, and words of other tools for a command.
+//! separate values, a blank in such a list, a source where a command is expected, words of other tools for a command, and flags with one
+//! hyphen.
 
 use std::ffi::OsString;
 use std::path::Path;
 
 use clap::CommandFactory;
+use clap::error::ErrorKind;
 use plcc_runtime::address;
 use plcc_runtime::options::split_list;
 
@@ -64,6 +66,21 @@ pub fn fault(args: &[OsString]) -> Option<String> {
         }
     }
     None
+}
+
+/// What is wrong with arguments that the parser refuses, where one hyphen is the reason: `-cycles 5`.
+pub fn one_hyphen(error: &clap::Error, args: &[OsString]) -> Option<String> {
+    if error.kind() != ErrorKind::UnknownArgument {
+        return None;
+    }
+    let args: Vec<&str> = args.iter().filter_map(|arg| arg.to_str()).collect();
+    let cli = Cli::command();
+    let command = cli.find_subcommand(args.get(1)?)?;
+    args[2..].iter().take_while(|arg| **arg != "--").find_map(|arg| {
+        let flag = arg.strip_prefix('-')?.split('=').next()?;
+        let is_flag = command.get_arguments().any(|own| own.get_long() == Some(flag));
+        is_flag.then(|| format!("`-{flag}` has one hyphen: write `--{flag}`"))
+    })
 }
 
 /// `plcc main.scl`, `plcc tank`
@@ -173,6 +190,20 @@ mod tests {
         assert!(told(&["main.scl"]).is_some_and(|told| told.contains("plcc check main.scl")));
         assert_eq!(told(&["check", "main.scl"]), None);
         assert_eq!(told(&["--version"]), None);
+    }
+
+    #[test]
+    fn one_hyphen_before_a_long_name() {
+        let told = |args: &[&str]| {
+            let args: Vec<OsString> = std::iter::once(&"plcc").chain(args).map(OsString::from).collect();
+            let error = Cli::command().try_get_matches_from(&args).expect_err("the parser refuses it");
+            one_hyphen(&error, &args)
+        };
+        let meant = Some("`-cycles` has one hyphen: write `--cycles`".to_string());
+        assert_eq!(told(&["run", "x", "-cycles", "5"]), meant);
+        assert_eq!(told(&["run", "-cycles=5", "x"]), meant);
+        assert_eq!(told(&["run", "x", "-x"]), None);
+        assert_eq!(told(&["run", "x", "--what"]), None);
     }
 
     #[test]

@@ -64,12 +64,18 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
         report::say(&told);
         return exit::USAGE;
     }
-    match Cli::try_parse_from(args) {
+    match Cli::try_parse_from(&args) {
         Ok(cli) => on_large_stack(move || dispatch(&cli)).unwrap_or_else(|fault| {
             report::say(&format!("internal fault, please report it: {fault}"));
             exit::COMPILE
         }),
-        Err(error) => usage(&error),
+        Err(error) => match arguments::one_hyphen(&error, &args) {
+            Some(told) => {
+                report::say(&told);
+                exit::USAGE
+            }
+            None => usage(&error),
+        },
     }
 }
 
