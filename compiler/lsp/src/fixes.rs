@@ -22,7 +22,7 @@ pub fn replacement(message: &Diagnostic, marked: &str) -> Option<String> {
         Some((_, value)) if !marked.contains(":=") => value.trim_matches('"'),
         _ => meant,
     };
-    let quoted = marked.starts_with('"') && !meant.starts_with('"');
+    let quoted = marked.starts_with('"') && !meant.starts_with(['"', '#']);
     let local = marked.starts_with('#') && !meant.starts_with('#');
     Some(match (quoted, local) {
         (true, _) => format!("\"{meant}\""),
@@ -84,6 +84,8 @@ mod tests {
     fn what_is_meant_is_written() {
         let found = written("the symbol `Motr` is not defined", "is `Motor` meant?", "\"Motr\"");
         assert_eq!(found.as_deref(), Some("\"Motor\""));
+        let found = written("the symbol `start` is not defined", "is `#start` meant?", "\"start\"");
+        assert_eq!(found.as_deref(), Some("#start"));
     }
 
     #[test]

@@ -166,7 +166,7 @@ impl Globals<'_> {
                 if let Some(row) = rows.find(|row| fold(&row.name) == fold(name)) {
                     return self.report.unreadable_symbol(name, span, row);
                 }
-                let meant = self.path_in_quotes(name).or_else(|| self.similar_name(name, locals));
+                let meant = self.path_in_quotes(name).or_else(|| self.similar_name(name, span, locals));
                 self.report.missing_symbol(name, span, meant, in_stl);
             }
         }
@@ -179,13 +179,20 @@ impl Globals<'_> {
         Some(format!("\"{}\".{component}", global.name))
     }
 
-    /// A name of the block or the program that resembles `name`; that of the block comes first.
-    fn similar_name<'n>(&mut self, name: &str, locals: impl Iterator<Item = &'n str>) -> Option<String> {
+    /// A name of the block or the program that resembles `name`; that of the block comes first. What is in quotes is rather one of the program.
+    fn similar_name<'n>(&mut self, name: &str, span: Span, locals: impl Iterator<Item = &'n str>) -> Option<String> {
         if !self.report.may_search() {
             return None;
         }
         let globals = self.names.symbols.values().map(|global| global.name.as_str());
-        similar(name, locals).or_else(|| similar(name, globals)).map(str::to_owned)
+        if !self.text(span).starts_with('"') {
+            return similar(name, locals).or_else(|| similar(name, globals)).map(str::to_owned);
+        }
+        let locals: Vec<&str> = locals.collect();
+        let own = locals.iter().copied().find(|local| fold(local) == fold(name));
+        let global = || similar(name, globals).map(str::to_owned);
+        let local = |local: &str| format!("#{local}");
+        own.map(local).or_else(global).or_else(|| similar(name, locals.iter().copied()).map(local))
     }
 
     /// Reports a data type that nothing defines.
