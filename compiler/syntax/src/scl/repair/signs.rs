@@ -27,7 +27,12 @@ impl Repair<'_> {
         match token.kind {
             RawKind::Number | RawKind::Real => self.repair_number(token),
             RawKind::Semicolon => self.arguments_with_semicolon() || self.value_of_case_with_semicolon(),
-            RawKind::Colon => self.split_assignment() || self.element_past_image() || self.time_with_colons(),
+            RawKind::Colon => {
+                self.colon_after_word()
+                    || self.split_assignment()
+                    || self.element_past_image()
+                    || self.time_with_colons()
+            }
             RawKind::Stray => self.stray_sign(token) || self.curved_quotes(token),
             RawKind::Assign => self.value_with_sign(),
             RawKind::Arrow => self.value_with_sign() || self.arrow(),

@@ -1,4 +1,4 @@
-//! Whole statements of other languages: `let x = 5`, `do … while (c)`, `try`, `-- text`, `(INT)x`, `f(a b)`.
+//! Whole statements of other languages: `let x = 5`, `do … while (c)`, `try`, `-- text`, `(INT)x`, `f(a b)`, `ELSE:`.
 
 use super::{Edit, Repair, begins_operand, ends_operand};
 use crate::Elementary;
@@ -333,5 +333,27 @@ impl Repair<'_> {
         self.edits.push(Edit { first: at, after: at, with: vec![semicolon] });
         self.note(semicolon);
         false
+    }
+
+    /// `ELSE:`, `THEN:`, `DO:`, as in Python. After ELSE of CASE it is allowed.
+    pub(super) fn colon_after_word(&mut self) -> bool {
+        let at = self.at;
+        let Some(word) = self.last.and_then(|last| last.keyword) else { return false };
+        let inside = self.open.last().map(|open| open.keyword);
+        let is_refused = match word {
+            Keyword::Then | Keyword::Do | Keyword::Repeat => inside.is_some(),
+            Keyword::Else => inside == Some(Keyword::If),
+            Keyword::Of => inside == Some(Keyword::Case),
+            _ => false,
+        };
+        if !is_refused {
+            return false;
+        }
+        let word = word.word();
+        let title = format!("no `:` follows {word}");
+        self.report(at, at + 1, title, "a form of other languages", format!("write `{word}` without it"));
+        self.drop_tokens(at, at + 1);
+        self.statement = self.at;
+        true
     }
 }
