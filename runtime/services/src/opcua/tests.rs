@@ -12,6 +12,7 @@ use super::certificate::{Client, Own};
 use super::channel::{Channel, Opening};
 use super::code::{NodeId, Reader, Scalar, Variant, Writer, moment_of, time_of};
 use super::crypto::{NONCE_BYTES, Policy};
+use super::range::Range;
 use super::standard::{self, HAS_COMPONENT, ROWS};
 use super::status;
 use super::values::Variable;
@@ -96,6 +97,23 @@ fn a_text_is_not_longer_than_its_type() {
     assert_eq!(text.value(&[254, 200, b'a', b'b', b'c']), Ok(Variant::One(Scalar::Text("abc".to_string()))));
     assert_eq!(text.value(&[3, 1, 0x80, b'b', b'c']), Ok(Variant::One(Scalar::Text("€".to_string()))));
     assert_eq!(text.parts(&Variant::One(Scalar::Text("abcd".to_string())), None), Err(status::OUT_OF_RANGE));
+}
+
+#[test]
+fn arrays_of_bytes_are_written_as_byte_strings_too() {
+    let row = |ty| variable(ty, 0, vec![Dimension { low: 1, high: 3, distance: 8 }]);
+    let text = |bytes: &[u8]| Variant::One(Scalar::Bytes(bytes.to_vec()));
+    let list = Variant::list(3, vec![Scalar::Byte(7), Scalar::Byte(8), Scalar::Byte(9)]);
+    let bytes = row(AssertType::Bits(8));
+    assert!(bytes.parts(&list, None).is_ok());
+    assert_eq!(bytes.parts(&text(&[7, 8, 9]), None), bytes.parts(&list, None));
+    let part = Range::parse("1:2").unwrap();
+    let two = Variant::list(3, vec![Scalar::Byte(8), Scalar::Byte(9)]);
+    assert_eq!(bytes.parts(&text(&[8, 9]), part.as_ref()), bytes.parts(&two, part.as_ref()));
+    assert_eq!(bytes.parts(&text(&[7, 8]), None), Err(status::TYPE_MISMATCH));
+    assert_eq!(row(AssertType::Signed(8)).parts(&text(&[7, 8, 9]), None), Err(status::TYPE_MISMATCH));
+    let one = variable(AssertType::Bits(8), 0, Vec::new());
+    assert_eq!(one.parts(&text(&[7]), None), Err(status::TYPE_MISMATCH), "no array");
 }
 
 #[test]

@@ -18,6 +18,8 @@ use super::range::Range;
 use super::status::{self, Status};
 use crate::limits::OPCUA_ELEMENTS_MAX;
 
+/// The type number of bytes without a sign.
+const BYTE: u8 = 3;
 /// The type number of dates with their time of day.
 const DATE_TIME: u8 = 13;
 /// The DateTime of a date that does not exist. Source: OPC 10000-6, section 5.2.2.5.
@@ -54,7 +56,7 @@ pub fn type_of(ty: AssertType) -> u8 {
     match ty {
         AssertType::Bool => 1,
         AssertType::Signed(8) => 2,
-        AssertType::Bits(8) | AssertType::Unsigned(8) | AssertType::Char => 3,
+        AssertType::Bits(8) | AssertType::Unsigned(8) | AssertType::Char => BYTE,
         AssertType::Signed(16) => 4,
         AssertType::Bits(16) | AssertType::Unsigned(16) | AssertType::Wchar | AssertType::S5Time | AssertType::Date => {
             5
@@ -251,8 +253,14 @@ impl Variable {
             offsets = elements.iter().filter_map(|index| offsets.get(*index).copied()).collect();
             lengths = own;
         }
+        let elements: Vec<Scalar>;
         let values = match value {
             Variant::One(value) if self.dimensions.is_empty() => std::slice::from_ref(value),
+            // A ByteString is an array of bytes. Source: OPC 10000-4, Write.
+            Variant::One(Scalar::Bytes(bytes)) if lengths.len() == 1 && type_of(self.ty.ty) == BYTE => {
+                elements = bytes.iter().copied().map(Scalar::Byte).collect();
+                &elements
+            }
             Variant::Many { values, dimensions, .. } if !self.dimensions.is_empty() => {
                 if *dimensions != lengths && !(dimensions.len() < 2 && lengths.len() == 1) {
                     return Err(status::TYPE_MISMATCH);
@@ -380,7 +388,7 @@ fn decode(ty: ValueType, bytes: &[u8], bit: u8) -> Result<Scalar, Status> {
     Ok(match type_of(ty.ty) {
         1 => Scalar::Bool(byte()? >> bit & 1 != 0),
         2 => Scalar::SByte(byte()? as i8),
-        3 => Scalar::Byte(byte()?),
+        BYTE => Scalar::Byte(byte()?),
         4 => Scalar::Int16(word()? as i16),
         5 => Scalar::UInt16(word()?),
         6 => Scalar::Int32(double()? as i32),
