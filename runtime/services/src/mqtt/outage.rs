@@ -3,12 +3,16 @@
 //! A broker may refuse connections at first, and then the password; each reason is reported once. One that takes connections and loses
 //! each of them at once is not back: only a connection that lasts is reported.
 
+use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
+use rumqttc::mqttbytes::Error as FrameError;
 use rumqttc::{ConnectReturnCode, ConnectionError, StateError};
 
 /// At most this many reasons of one outage are reported.
 const REASONS_MAX: usize = 4;
+/// The reason if the broker ends the connection, in whatever way.
+const CLOSED: &str = "it has closed the connection";
 /// A connection that has lasted this long works.
 const LASTS: Duration = Duration::from_secs(10);
 
@@ -62,10 +66,13 @@ impl Outage {
 /// Why there is no connection, in plain words.
 pub(super) fn reason(error: &ConnectionError) -> String {
     match error {
-        ConnectionError::Io(error) | ConnectionError::MqttState(StateError::Io(error)) => error.to_string(),
+        ConnectionError::Io(error)
+        | ConnectionError::MqttState(StateError::Io(error) | StateError::Deserialization(FrameError::Io(error))) => {
+            network_reason(error)
+        }
         ConnectionError::NetworkTimeout | ConnectionError::FlushTimeout => "it does not answer in time".to_string(),
         ConnectionError::MqttState(StateError::AwaitPingResp) => "it has stopped answering".to_string(),
-        ConnectionError::MqttState(StateError::ConnectionAborted) => "it has closed the connection".to_string(),
+        ConnectionError::MqttState(StateError::ConnectionAborted) => CLOSED.to_string(),
         ConnectionError::MqttState(StateError::Deserialization(error)) => format!("what it sends is not MQTT: {error}"),
         ConnectionError::ConnectionRefused(code) => match code {
             ConnectReturnCode::BadUserNamePassword => "it refuses the user or the password".to_string(),
@@ -76,6 +83,16 @@ pub(super) fn reason(error: &ConnectionError) -> String {
             ConnectReturnCode::Success => "it refuses the connection".to_string(),
         },
         other => other.to_string(),
+    }
+}
+
+fn network_reason(error: &io::Error) -> String {
+    match error.kind() {
+        ErrorKind::BrokenPipe
+        | ErrorKind::ConnectionReset
+        | ErrorKind::ConnectionAborted
+        | ErrorKind::UnexpectedEof => CLOSED.to_string(),
+        _ => error.to_string(),
     }
 }
 
@@ -125,6 +142,12 @@ mod tests {
         assert_eq!(state(StateError::ConnectionAborted), "it has closed the connection");
         let damaged = StateError::Deserialization(rumqttc::mqttbytes::Error::MalformedRemainingLength);
         assert_eq!(state(damaged), "what it sends is not MQTT: Malformed remaining length");
+        for kind in [ErrorKind::BrokenPipe, ErrorKind::ConnectionReset] {
+            assert_eq!(state(StateError::Deserialization(FrameError::Io(kind.into()))), CLOSED);
+            assert_eq!(reason(&ConnectionError::Io(kind.into())), CLOSED);
+        }
+        let none = io::Error::from(ErrorKind::ConnectionRefused);
+        assert_eq!(reason(&ConnectionError::Io(none)), io::Error::from(ErrorKind::ConnectionRefused).to_string());
         let refused = ConnectionError::ConnectionRefused(ConnectReturnCode::BadUserNamePassword);
         assert_eq!(reason(&refused), "it refuses the user or the password");
     }
