@@ -163,7 +163,7 @@ fn is_real(look: &Look, operands: [&String; 2]) -> bool {
         _ => "",
     };
     match ty {
-        "" => operands.iter().any(|text| text.contains('.') && text.parse::<f64>().is_ok()),
+        "" => operands.iter().any(|text| text.contains('.') && text.replace('_', "").parse::<f64>().is_ok()),
         ty => ["R", "REAL", "LREAL"].iter().any(|real| real.eq_ignore_ascii_case(ty)),
     }
 }
@@ -301,13 +301,14 @@ impl Term {
     }
 }
 
-/// A number of a trace or a constant: `-5`, `16#00FF`, `2#101`, `1.5`, `INT#7`; `T#5s` is none. Words in base 16 are
+/// A number of a trace or a constant: `-5`, `1_000`, `16#00FF`, `2#101`, `1.5`, `INT#7`; `T#5s` is none. Words in base 16 are
 /// INT, and double words DINT, or REAL if the comparison is one of REAL.
 fn number(text: &str, real: bool) -> Option<f64> {
+    let text = text.replace('_', "");
     let prefixes = [("16#", 16), ("8#", 8), ("2#", 2)];
     let based = prefixes.into_iter().find_map(|(prefix, base)| Some((text.strip_prefix(prefix)?, base)));
     if let Some((digits, base)) = based {
-        let bits = i64::from_str_radix(&digits.replace('_', ""), base).ok()?;
+        let bits = i64::from_str_radix(digits, base).ok()?;
         return match (real, base, digits.len()) {
             (true, 16, 8) => Some(f64::from(f32::from_bits(bits as u32))),
             (true, ..) => None,
@@ -358,7 +359,9 @@ mod tests {
             ("16#FFFFFFFF", false, Some(-1.0)),
             ("16#FFFB", false, Some(-5.0)),
             ("16#FFFB", true, None),
+            ("16#FFFF_FFFB", false, Some(-5.0)),
             ("2#1000_0001", false, Some(129.0)),
+            ("-1_000", false, Some(-1000.0)),
             ("1.500000e+000", true, Some(1.5)),
             ("T#5s", false, None),
         ] {

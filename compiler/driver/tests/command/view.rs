@@ -118,6 +118,35 @@ fn durations_and_dates_have_their_units() {
 }
 
 #[test]
+fn constants_are_drawn_as_their_author_wrote_them() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK Fill\n  VAR\n    r : Real;\n    t : Time;\n    w : Word;\n    n : DInt;\n  END_VAR\n\
+                  { S7_Language := \"LAD\" }\nNETWORK\n  RUNG wire#powerrail Move( in := 1.0E+6, out1 => #r ) \
+                  Move( in := T#90s, out1 => #t ) Move( in := 2#1010_0000, out1 => #w ) Move( in := -1_000, out1 => #n ) \
+                  END_RUNG\nEND_NETWORK\n{ S7_Language := \"LAD\" }\nNETWORK\n  RUNG wire#powerrail \
+                  { S7_Templates := \"SrcType := Real\"; S7_Expression := \"IN1 * 2.50\" } Calculate( in1 := #r, out => #r ) \
+                  END_RUNG\nEND_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("fill.s7dcl"), source).expect("the folder can be written");
+    let chart = "FUNCTION_BLOCK FB 2\nINITIAL_STEP Run (*$_NUM 1*):\nMW20 := 16#00FF   (N)\nEND_STEP\nTRANSITION T_1 (*$_NUM 1*)\n  \
+                 FROM Run\n  TO Run (*$_JUMP*)\nCONDITION := MW22 > 1_000\nEND_TRANSITION\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("run.gr7"), chart).expect("the folder can be written");
+    let pictures: [(&str, &str, &str, &[&str]); 3] = [
+        ("fill.s7dcl", "s7-1500", "FB_1_network_1", &["1.0E+6", "T#90s", "2#1010_0000", "-1_000"]),
+        ("fill.s7dcl", "s7-1500", "FB_1_network_2", &["OUT := IN1 * 2.50"]),
+        ("run.gr7", "315-2DP", "FB_2", &["MW20 := 16#00FF", "1_000"]),
+    ];
+    for (source, cpu, name, texts) in pictures {
+        let output = plcc(folder, &["view", source, "--cpu", cpu, "-o", "drawings"]);
+        let picture = fs::read_to_string(folder.join(format!("drawings/{name}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        for text in texts {
+            assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
+        }
+    }
+}
+
+#[test]
 fn no_page_is_written_of_what_could_not_be_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

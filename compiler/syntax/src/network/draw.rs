@@ -22,7 +22,7 @@ use canvas::Canvas;
 use plan::Plan;
 use shape::Shape;
 
-pub use operand::{formula, operand, whole};
+pub use operand::{formula_of, operand, whole, whole_of};
 pub use shape::{is_timer_box, symbol};
 
 /// Most elements of a drawing; those next to the marked one are shown.

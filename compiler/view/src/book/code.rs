@@ -122,7 +122,7 @@ impl Maker<'_> {
     fn network(&self, number: usize, network: &Network, scope: Scope) -> Section {
         let content = match &network.content {
             Content::Graphic(graph) => {
-                let mut sheet = sheet::network::sheet(graph, network.language, self.names, scope);
+                let mut sheet = sheet::network::sheet(graph, network.language, self.names, scope, self.text);
                 if let Some(values) = self.options.values {
                     sheet.show(&|key| values.get(key).cloned());
                 }

@@ -70,7 +70,7 @@ impl Tiles<'_> {
         }
         for (caption, time) in [("T_MAX", &step.maximum), ("T_WARN", &step.warning)] {
             if let Some(time) = time {
-                rows.push((caption.to_string(), vec![draw::whole(time)], None, String::new()));
+                rows.push((caption.to_string(), vec![draw::whole_of(time, self.text)], None, String::new()));
             }
         }
         let marks_width = rows.iter().map(|(marks, ..)| metrics::width(marks, metrics::TEXT)).max().unwrap_or(0) + 12;
@@ -153,7 +153,7 @@ impl Tiles<'_> {
     pub fn condition(&self, condition: &Condition, sign: &str) -> (Option<Scene>, Vec<String>) {
         match condition {
             Condition::Expression(value) => {
-                let sheet = expression::condition(value, sign, self.names, self.scope, self.steps);
+                let sheet = expression::condition(value, sign, self.names, self.scope, self.steps, self.text);
                 (Some(self.drawn(sheet, Language::Lad)), Vec::new())
             }
             Condition::Network(network) => match &network.content {
@@ -168,7 +168,7 @@ impl Tiles<'_> {
 
     /// A small network.
     pub fn network(&self, graph: &plcc_syntax::network::ast::Graph, language: Language) -> Scene {
-        self.drawn(network::sheet(graph, language, self.names, self.scope), language)
+        self.drawn(network::sheet(graph, language, self.names, self.scope, self.text), language)
     }
 
     fn drawn(&self, mut sheet: Sheet, language: Language) -> Scene {
@@ -214,14 +214,14 @@ impl Tiles<'_> {
         let mut key = String::new();
         let (mut lines, drawing) = match &action.body {
             ActionBody::Operand(value) => {
-                let label = self.names.label(&draw::whole(value), self.scope);
+                let label = self.names.label(&draw::whole_of(value, self.text), self.scope);
                 self.writes(&label);
                 key = label.key;
                 let address = if label.address.is_empty() { String::new() } else { format!(" {}", label.address) };
                 one(label.text + &address)
             }
             ActionBody::Value { operand, value } => {
-                let label = self.names.label(&draw::whole(operand), self.scope);
+                let label = self.names.label(&draw::whole_of(operand, self.text), self.scope);
                 self.writes(&label);
                 key = label.key;
                 one(format!("{} := {}", label.text, self.formula(value)))
@@ -258,7 +258,7 @@ impl Tiles<'_> {
             }
             quote.is_none() && is_sign(c)
         };
-        draw::formula(value).split_inclusive(is_end).map(label).collect()
+        draw::formula_of(value, self.text).split_inclusive(is_end).map(label).collect()
     }
 
     /// The text of a place, without line breaks.

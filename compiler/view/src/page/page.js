@@ -297,9 +297,10 @@ const VIEWS = xref
 let shown = null;
 const bit = (v) => (v === "1" || v === "TRUE" ? true : v === "0" || v === "FALSE" ? false : null);
 const number = (t, real) => {
-  const m = /^(16|8|2)#([0-9A-F_]+)$/i.exec(t);
+  t = t.replace(/_/g, "");
+  const m = /^(16|8|2)#([0-9A-F]+)$/i.exec(t);
   if (m) {
-    const n = parseInt(m[2].replace(/_/g, ""), +m[1]), digits = m[1] === "16" ? m[2].length : 0;
+    const n = parseInt(m[2], +m[1]), digits = m[1] === "16" ? m[2].length : 0;
     if (real) return digits === 8 ? new Float32Array(new Uint32Array([n]).buffer)[0] : null;
     return Number.isNaN(n) ? null : digits === 4 ? (n << 16) >> 16 : digits === 8 ? n | 0 : n;
   }

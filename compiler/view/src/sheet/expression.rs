@@ -13,9 +13,9 @@ use crate::names::{Names, Scope};
 /// An XOR with more contacts than this is one contact with its text.
 const XOR_MAX: usize = 16;
 
-/// The rung of a condition in a chart with these steps; it ends in a coil with `sign`.
-pub fn condition(value: &Expr, sign: &str, names: &Names, scope: Scope, steps: &[Step]) -> Sheet {
-    let mut maker = Maker { sheet: Sheet::default(), names, scope, steps };
+/// The rung of a condition in a chart with these steps; it ends in a coil with `sign`. `text`: the source, or its overlay.
+pub fn condition(value: &Expr, sign: &str, names: &Names, scope: Scope, steps: &[Step], text: &str) -> Sheet {
+    let mut maker = Maker { sheet: Sheet::default(), names, scope, steps, text };
     let rail = maker.net();
     maker.sheet.nets[rail].sources.push(Source::Rail);
     let end = maker.net();
@@ -29,6 +29,7 @@ struct Maker<'a> {
     names: &'a Names,
     scope: Scope,
     steps: &'a [Step],
+    text: &'a str,
 }
 
 impl Maker<'_> {
@@ -117,7 +118,7 @@ impl Maker<'_> {
     }
 
     fn operand(&self, place: Place, value: &Expr) -> Pin {
-        let mut label = self.names.label(&draw::whole(value), self.scope);
+        let mut label = self.names.label(&draw::whole_of(value, self.text), self.scope);
         if label.key.is_empty()
             && let Some(local) = self.of_step(value)
         {

@@ -10,10 +10,11 @@ use plcc_syntax::scl::ast::Expr;
 use super::{Label, Link, Look, Meaning, Net, Part, Pin, Place, Sheet, Source};
 use crate::names::{Formal, Names, Scope};
 
-/// The sheet of a network.
-pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope) -> Sheet {
-    let label = |value: &Expr| Label { place: Some(value.span.start), ..names.label(&draw::whole(value), scope) };
-    sheet_with(graph, language, names, scope, &label)
+/// The sheet of a network. `text`: the source, or its overlay.
+pub fn sheet(graph: &Graph, language: Language, names: &Names, scope: Scope, text: &str) -> Sheet {
+    let label =
+        |value: &Expr| Label { place: Some(value.span.start), ..names.label(&draw::whole_of(value, text), scope) };
+    sheet_with(graph, language, names, scope, &Words { label: &label, text })
 }
 
 /// Whether a network has flip-flops, timers or counters as boxes, of which statements also make coils.
@@ -32,26 +33,35 @@ pub fn has_cells(network: &Network) -> bool {
 
 /// The sheet of a network that is made of statements: `label` finds the operands in their own words.
 pub fn sheet_of_statements(graph: &Graph, names: &Names, scope: Scope, label: &dyn Fn(&Expr) -> Label) -> Sheet {
-    let mut sheet = sheet_with(graph, Language::Lad, names, scope, label);
+    let mut sheet = sheet_with(graph, Language::Lad, names, scope, &Words { label, text: "" });
     for part in &mut sheet.parts {
         part.statement = part.place.take();
     }
     sheet
 }
 
-fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, label: &dyn Fn(&Expr) -> Label) -> Sheet {
+/// In which words operands are drawn.
+struct Words<'a> {
+    label: &'a dyn Fn(&Expr) -> Label,
+    /// What the constants of formulas are read from.
+    text: &'a str,
+}
+
+fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, words: &Words) -> Sheet {
     let mut nets: Vec<Net> = Vec::with_capacity(graph.nets.len());
     for (at, net) in graph.nets.iter().enumerate() {
         let name = if net.name.is_empty() { format!("n{at}") } else { net.name.clone() };
         let sources = net.sources.iter().map(|source| match source {
             GraphSource::Rail => Source::Rail,
             GraphSource::Pin { element, pin } => Source::Pin { part: *element, pin: *pin },
-            GraphSource::Operand { value, negated } => Source::Operand { label: label(value), negated: *negated },
+            GraphSource::Operand { value, negated } => {
+                Source::Operand { label: (words.label)(value), negated: *negated }
+            }
             GraphSource::Net(id) => Source::Net(id.0 as usize),
         });
         nets.push(Net { name, sources: sources.collect(), joins: None });
     }
-    let parts = graph.elements.iter().map(|element| part(element, language, label)).collect();
+    let parts = graph.elements.iter().map(|element| part(element, language, words)).collect();
     let mut sheet = Sheet { parts, nets };
     for (at, element) in graph.elements.iter().enumerate() {
         if let Target::Element { row, .. } = &element.target {
@@ -67,7 +77,7 @@ fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, la
     sheet
 }
 
-fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -> Part {
+fn part(element: &Element, language: Language, words: &Words) -> Part {
     let (flow_in, flow_out) = match &element.target {
         Target::Element { row, .. } => row.flow,
         Target::Block { .. } => ("en", "eno"),
@@ -76,7 +86,7 @@ fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
         element.pins.iter().position(|pin| pin.output == output && pin.name.eq_ignore_ascii_case(name))
     };
     let (flow_in, flow_out) = (find(flow_in, false), find(flow_out, true));
-    let (look, meaning, small) = look(element, language, label);
+    let (look, meaning, small) = look(element, language, words);
     let mut places = 0;
     let pins = element.pins.iter().enumerate().map(|(at, pin)| {
         let is_flow = Some(at) == flow_in || Some(at) == flow_out;
@@ -93,7 +103,7 @@ fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
         let link = match &pin.value {
             PinValue::Net(id) => Link::Net(id.0 as usize),
             PinValue::Operand(value) => {
-                let mut label = label(value);
+                let mut label = (words.label)(value);
                 match pin.storage {
                     Storage::None => {}
                     Storage::Set => label.text.push_str(" (S)"),
@@ -118,7 +128,8 @@ fn part(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
 }
 
 /// The look of an element, its meaning, and whether it has no pins at its sides but those of the flow.
-fn look(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -> (Look, Meaning, bool) {
+fn look(element: &Element, language: Language, words: &Words) -> (Look, Meaning, bool) {
+    let label = words.label;
     let (row, instance) = match &element.target {
         Target::Element { row, instance } => (*row, instance.as_ref().map(label)),
         Target::Block { callee, instance } => {
@@ -143,7 +154,7 @@ fn look(element: &Element, language: Language, label: &dyn Fn(&Expr) -> Label) -
         return (look, meaning, true);
     }
     let detail = match &element.equation {
-        Some(equation) => format!("{}\nOUT := {}", types(element), draw::formula(equation)),
+        Some(equation) => format!("{}\nOUT := {}", types(element), draw::formula_of(equation, words.text)),
         None => types(element),
     };
     (Look::Box { title: title(row), detail, instance }, meaning, false)

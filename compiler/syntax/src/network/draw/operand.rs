@@ -1,9 +1,11 @@
 //! Operands as a programmer writes them.
 
+use plcc_diag::Span;
 use plcc_literal::duration::s5time_milliseconds;
 use plcc_literal::written;
 
 use crate::scl::ast::{Expr, ExprKind, Literal, Name, NameForm, UnaryOp};
+use crate::scl::literal as constant;
 use crate::scl::text;
 use crate::{Class, Elementary};
 
@@ -21,16 +23,23 @@ pub fn operand(value: &Expr) -> String {
 
 /// As [`operand`], but not cut.
 pub fn whole(value: &Expr) -> String {
+    whole_of(value, "")
+}
+
+/// As [`whole`], with constants as their author wrote them: `16#00FF`, `T#90s`. `source`: the text that the spans are in.
+pub fn whole_of(value: &Expr, source: &str) -> String {
+    let whole = |value: &Expr| whole_of(value, source);
     match &value.kind {
         ExprKind::Name(value) => name(value),
         ExprKind::Member { base, name: member } => format!("{}.{}", whole(base), name(member)),
         ExprKind::Index { base, indices } => {
-            format!("{}[{}]", whole(base), indices.iter().map(formula).collect::<Vec<_>>().join(","))
+            let indices: Vec<String> = indices.iter().map(|index| formula_of(index, source)).collect();
+            format!("{}[{}]", whole(base), indices.join(","))
         }
         ExprKind::Slice { base, width, index } => format!("{}.%{}{index}", whole(base), width.letter()),
         ExprKind::Dereference(base) => format!("{}^", whole(base)),
-        ExprKind::Binary { .. } => format!("({})", formula(value)),
-        ExprKind::Literal(value) => literal(value),
+        ExprKind::Binary { .. } => format!("({})", formula_of(value, source)),
+        ExprKind::Literal(constant) => written_constant(constant, value.span, source),
         ExprKind::Unary { op: UnaryOp::Minus, operand } => format!("-{}", whole(operand)),
         ExprKind::Unary { op: UnaryOp::Not, operand } => format!("NOT {}", whole(operand)),
         ExprKind::Error => "???".to_string(),
@@ -42,17 +51,24 @@ pub fn whole(value: &Expr) -> String {
     }
 }
 
-/// A formula with the parentheses that it needs: `(IN1 + IN2) * IN3`.
-pub fn formula(value: &Expr) -> String {
-    within(value, 0)
+/// A formula with the parentheses that it needs: `(IN1 + IN2) * IN3`. Constants are as in [`whole_of`].
+pub fn formula_of(value: &Expr, source: &str) -> String {
+    within(value, 0, source)
 }
 
 /// In parentheses if what is around it binds more.
-fn within(value: &Expr, around: u8) -> String {
-    let ExprKind::Binary { op, left, right, .. } = &value.kind else { return whole(value) };
+fn within(value: &Expr, around: u8, source: &str) -> String {
+    let ExprKind::Binary { op, left, right, .. } = &value.kind else { return whole_of(value, source) };
     let own = op.precedence();
-    let text = format!("{} {} {}", within(left, own), op.sign(), within(right, own + 1));
+    let text = format!("{} {} {}", within(left, own, source), op.sign(), within(right, own + 1, source));
     if own < around { format!("({text})") } else { text }
+}
+
+/// A constant as the source has it at its place, or in its usual form if something else is there.
+fn written_constant(value: &Literal, span: Span, source: &str) -> String {
+    let is_truth = matches!(value, Literal::Typed { ty: Elementary::Bool, .. });
+    let same = |text: &&str| !is_truth && constant::parse(text).is_ok_and(|read| read.value == *value);
+    source.get(span.range()).filter(same).map_or_else(|| literal(value), str::to_string)
 }
 
 fn name(name: &Name) -> String {
