@@ -6,6 +6,7 @@ use plcc_syntax::stl::Mnemonics;
 use super::{Declaration, Maker, Page, Section};
 use crate::names::Scope;
 use crate::sheet;
+use crate::sheet::s7200::Subroutine;
 
 impl Maker<'_> {
     pub(super) fn s7200(&self, block: &s7200::Block) -> Page {
@@ -55,7 +56,7 @@ impl Maker<'_> {
                     _ => label,
                 }
             };
-            let drawn = sheet::s7200::sheet(&network.statements, &label, &|name| self.parameters(name));
+            let drawn = sheet::s7200::sheet(&network.statements, &label, &|name| self.subroutine(name));
             let spans = network.statements.iter().map(|statement| statement.span);
             page.sections.push(Section {
                 number: network.number.map_or(at + 1, |number| number as usize),
@@ -74,8 +75,8 @@ impl Maker<'_> {
         sheet::Label { text: symbol.to_string(), address: address.to_string(), key, ..sheet::Label::default() }
     }
 
-    /// The parameters of a subroutine of the S7-200, and whether they are outputs.
-    fn parameters(&self, name: &str) -> Option<Vec<(String, bool)>> {
+    /// The subroutine with a name or number.
+    fn subroutine(&self, name: &str) -> Option<Subroutine> {
         let name = name.trim_matches('"');
         let sources = self.units.iter().filter_map(|(_, unit)| unit.s7200.as_ref());
         let block = sources.flat_map(|source| &source.blocks).find(|block| {
@@ -86,6 +87,9 @@ impl Maker<'_> {
             block.kind == s7200::BlockKind::Subroutine && (number || named)
         })?;
         let formals = block.declarations.iter().filter(|row| row.section != s7200::Section::Temp);
-        Some(formals.map(|row| (row.name.clone(), row.section == s7200::Section::Output)).collect())
+        Some(Subroutine {
+            name: block.name.as_ref().map_or(String::new(), |(name, _)| name.clone()),
+            formals: formals.map(|row| (row.name.clone(), row.section == s7200::Section::Output)).collect(),
+        })
     }
 }

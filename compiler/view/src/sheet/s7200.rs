@@ -9,16 +9,24 @@ use super::rungs::{Rungs, Span, side};
 use super::s7200_boxes::{Face, face};
 use super::{Label, Link, Look, Meaning, Pin, Place, Sheet};
 
-/// The parameters of a subroutine by its name: their names, and whether they are outputs.
-pub type Parameters<'a> = dyn Fn(&str) -> Option<Vec<(String, bool)>> + 'a;
+/// A subroutine as its box shows it.
+pub struct Subroutine {
+    /// Its symbol; empty if it has none.
+    pub name: String,
+    /// The names of its parameters, and whether they are outputs.
+    pub formals: Vec<(String, bool)>,
+}
+
+/// Finds a subroutine by its name or number: `Scale`, `SBR0`.
+pub type Subroutines<'a> = dyn Fn(&str) -> Option<Subroutine> + 'a;
 
 /// The rungs of a network. `label` finds the operand at a place of the source. `Err`: why it cannot be drawn.
 pub fn sheet(
     statements: &[Statement],
     label: &dyn Fn(&Operand) -> Label,
-    parameters: &Parameters,
+    subroutines: &Subroutines,
 ) -> Result<Sheet, String> {
-    let mut maker = Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None, parameters };
+    let mut maker = Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None, subroutines };
     for statement in statements {
         maker.rungs.statement = Some(statement.span.start);
         match &statement.kind {
@@ -41,7 +49,7 @@ pub fn sheet(
 }
 
 struct Maker<'a> {
-    parameters: &'a Parameters<'a>,
+    subroutines: &'a Subroutines<'a>,
     rungs: Rungs,
     stack: Vec<Span>,
     /// The box whose ENO the next statement may continue.
@@ -266,7 +274,12 @@ impl Maker<'_> {
             (Some(label), true) => (label.text, None),
             (first, _) => (name.to_string(), first),
         };
-        let formals = if is_call { (self.parameters)(&title).unwrap_or_default() } else { Vec::new() };
+        let called = if is_call { (self.subroutines)(&title) } else { None };
+        let (title, formals) = match called {
+            Some(Subroutine { name, formals }) if !name.is_empty() => (name, formals),
+            Some(Subroutine { formals, .. }) => (title, formals),
+            None => (title, Vec::new()),
+        };
         let mut pins: Vec<Pin> = Vec::new();
         let mut inputs = 0;
         for (index, label) in labels.into_iter().enumerate() {
