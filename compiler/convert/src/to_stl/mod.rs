@@ -10,6 +10,7 @@
 //! - `calls`: calls of blocks and instances; `instructions`: of instructions of the TIA Portal by their names, `library`: and of blocks.
 //! - `operand`: operands of networks as operands of STL; `constants`: constants of blocks; `texts`: temporary texts; `inputs`: copies of
 //!   inputs.
+//! - [`instances`]: instances where STL has none.
 //! - [`types`]: types of operands, where a box does not name its own.
 //!
 //! Source: LAD/FBD reference, chapter F.
@@ -24,6 +25,7 @@ mod elements;
 mod fields;
 mod formula;
 mod inputs;
+pub mod instances;
 mod instructions;
 pub(crate) mod library;
 mod logic;
@@ -94,11 +96,7 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
         rlo: None,
         sets_br: false,
     };
-    for variable in block.sections.iter().flat_map(|section| &section.variables) {
-        if types.is_array_of_instances(&variable.ty) {
-            maker.refuse(variable.name_span, "an array of instances", "declare the instances one by one");
-        }
-    }
+    maker.messages = instances::of_block(block, types);
     maker.begin_texts();
     let mut networks: Vec<ast::Network> = body.networks.iter().map(|network| maker.network(network)).collect();
     let is_end_reached = networks.iter().rev().find_map(|network| network.statements.last()).is_none_or(goes_on);

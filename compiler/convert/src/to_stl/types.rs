@@ -237,13 +237,12 @@ impl<'a> Types<'a> {
         false
     }
 
-    /// Whether elements of an array are instances, which STL does not have.
-    pub fn is_array_of_instances(&self, ty: &TypeRef) -> bool {
-        let TypeKind::Array { element, .. } = &ty.kind else { return false };
-        match &element.kind {
+    /// Whether variables of a type are instances of a function block of the program.
+    pub fn is_function_block(&self, ty: &TypeRef) -> bool {
+        match &ty.kind {
             TypeKind::Named(name) => self.function_blocks.contains_key(&name.to_lowercase()),
             TypeKind::Block(name) => self.function_blocks.contains_key(&key(name)),
-            _ => self.is_array_of_instances(element),
+            _ => false,
         }
     }
 

@@ -158,7 +158,10 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
             }
             let (made, found) = match to {
                 ConvertTo::Stl => {
+                    let misplaced = to_stl::instances::of_unit(unit, &types);
                     let (listed, mut found) = match &program {
+                        // The calls of such instances need no message of their own.
+                        _ if !misplaced.is_empty() => (unit.clone(), misplaced),
                         Some(program) => {
                             let Remarks { text, comments } = remarks(unit, &source.text).unwrap_or_else(|| {
                                 let meaning = unit.overlay.as_deref().unwrap_or(&source.text);

@@ -417,6 +417,34 @@ fn constants_of_blocks_stay_or_are_refused_by_their_names() {
     assert!(!said.contains("whose type is not in the sources"), "{said}");
 }
 
+/// STL has instances only as variables of their own.
+#[test]
+fn instances_that_stl_does_not_have_are_refused_where_they_are_declared() {
+    let motor = "FUNCTION_BLOCK \"Motor\"\nVAR_INPUT\n  go : Bool;\nEND_VAR\nVAR_OUTPUT\n  on : Bool;\nEND_VAR\n  #on := #go;\n\
+                 END_FUNCTION_BLOCK\n";
+    let declared = "FUNCTION_BLOCK \"Line\"\nVAR_IN_OUT\n  first : \"Motor\";\n  delay : TON_TIME;\n  now : DTL;\nEND_VAR\nVAR\n  \
+                    all : Array[1..2] of \"Motor\";\n  pair : Struct\n    left : \"Motor\";\n  END_STRUCT;\n  \
+                    delays : Array[1..2] of TON_TIME;\n  last : \"Motor\";\n  i : Int;\nEND_VAR\n";
+    let scl = format!("{motor}{declared}  #all[#i](go := TRUE);\n  #first.go := #delay.Q;\nEND_FUNCTION_BLOCK\n");
+    let networks = format!(
+        "{declared}{{ S7_Language := \"LAD\" }}\nNETWORK\n  RUNG wire#powerrail Contact( #first.on ) Coil( #last.go ) END_RUNG\n\
+         END_NETWORK\nEND_FUNCTION_BLOCK\n"
+    );
+    let folder = folder_with(&[("line.scl", &scl), ("motor.scl", motor), ("line.s7dcl", &networks)]);
+    for sources in [&["line.scl"][..], &["line.s7dcl", "motor.scl"]] {
+        let arguments = [&["convert"][..], sources, &["--to", "stl", "--cpu", "s7-1500", "-o", "made/"]].concat();
+        let made = plcc(&folder, &arguments);
+        let said = text(&made.stderr);
+        assert_eq!(made.status.code(), Some(3), "{said}");
+        for (what, count) in
+            [("an instance as an in-out parameter", 2), ("an array of instances", 1), ("an instance in a structure", 1)]
+        {
+            assert_eq!(said.matches(&format!("STL has no form for {what}\n")).count(), count, "{what}: {said}");
+        }
+        assert!(said.contains("plcc: 4 errors"), "{said}");
+    }
+}
+
 /// Tag tables say the types of their constants, too.
 #[test]
 fn constants_of_tag_tables_have_types() {
