@@ -548,7 +548,7 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted], compa
                     let (source, own) = (&file.name, own.display());
                     report::say(&format!("`{source}` becomes `{own}`: another source has its name"));
                 }
-                used.insert(own.clone());
+                used.insert(folded(&own));
                 texts.extend(named(args, file, own));
             }
             for Companion { name, bytes, yields } in companions {
@@ -561,7 +561,7 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted], compa
     }
     let mut paths = BTreeSet::new();
     for (path, _) in &texts {
-        if !paths.insert(path) {
+        if !paths.insert(folded(path)) {
             report::say(&format!("two sources would be written to `{}`", path.display()));
             return Err(exit::USAGE);
         }
@@ -570,17 +570,24 @@ fn store(args: &ConvertArgs, extension: Option<&str>, files: &[Converted], compa
 }
 
 /// The path, with a number at its name if another file has it: `Main.xml`, `Main-2.xml`.
-fn unused(path: &Path, used: &BTreeSet<PathBuf>) -> PathBuf {
+///
+/// `used`: paths as [`folded`] gives them.
+fn unused(path: &Path, used: &BTreeSet<String>) -> PathBuf {
     let part = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     let stem = part(path.file_stem());
     let end = path.extension().map_or_else(String::new, |extension| format!(".{}", part(Some(extension))));
     let mut own = path.to_path_buf();
     let mut number = 2;
-    while used.contains(&own) {
+    while used.contains(&folded(&own)) {
         own.set_file_name(format!("{stem}-{number}{end}"));
         number += 1;
     }
     own
+}
+
+/// A path in small letters: on Windows, `Main.xml` and `main.xml` are one file.
+fn folded(path: &Path) -> String {
+    path.to_string_lossy().to_lowercase()
 }
 
 /// The text of a file at its path, and what is beside it.

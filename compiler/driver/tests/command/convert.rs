@@ -135,21 +135,21 @@ fn a_single_source_goes_into_a_folder_whose_name_ends_with_a_slash() {
     assert!(written.contains("E 0.0"), "{written}");
 }
 
-/// Folders of a plant often have one name of a file twice.
+/// Folders of a plant often have one name of a file twice. Two that differ in the letter case are one on Windows.
 #[test]
 fn sources_with_one_name_become_files_of_their_own() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for (line, block) in [("first", "FC 1"), ("second", "FC 2"), ("third", "FC 3")] {
+    for (line, name, block) in [("first", "pump", "FC 1"), ("second", "pump", "FC 2"), ("third", "Pump", "FC 3")] {
         let there = folder.path().join("plant").join(line);
         fs::create_dir_all(&there).expect("the folder can be written");
         let source = format!("FUNCTION {block} : VOID\nBEGIN\nNETWORK\n      A     I 0.0;\nEND_FUNCTION\n");
-        fs::write(there.join("pump.awl"), source).expect("the folder can be written");
+        fs::write(there.join(name).with_extension("awl"), source).expect("the folder can be written");
     }
     let output = plcc(folder.path(), &["convert", "plant", "--to", "stl", "--mnemonics", "de", "-o", "german"]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("pump-2.stl`: another source has its name"), "{said}");
-    for (name, block) in [("pump.stl", "FC 1"), ("pump-2.stl", "FC 2"), ("pump-3.stl", "FC 3")] {
+    for (name, block) in [("pump.stl", "FC 1"), ("pump-2.stl", "FC 2"), ("Pump-3.stl", "FC 3")] {
         let written = fs::read_to_string(folder.path().join("german").join(name)).expect("it is written");
         assert!(written.contains(block), "{name}: {written}");
     }
