@@ -5,6 +5,7 @@ use plcc_convert::plcopen::{self, Settings, Unit};
 use plcc_convert::to_stl::types::Types;
 use plcc_convert::{to_graph, with_pragmas};
 use plcc_diag::{Diagnostic, FileId};
+use plcc_model::profile;
 use plcc_readers::plcopen as reader;
 use plcc_readers::simatic_ml::Remarks;
 use plcc_readers::xml::XmlKind;
@@ -61,9 +62,12 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
 /// The document of a parsed program, and messages.
 pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnostic>) {
     let config = parsed.project.as_ref().map(|project| &project.config);
+    let cpu = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
+    let named = cpu.and_then(|(name, _)| profile::lookup(name));
+    let family = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units)).family;
     let period_ms = |ob: u16| {
         let set = config.and_then(|config| config.cyclic_period_ms.iter().find(|(number, _)| *number == ob));
-        set.map_or_else(|| default_period_ms(ob), |(_, ms)| *ms)
+        set.map_or_else(|| default_period_ms(ob, family), |(_, ms)| *ms)
     };
     let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
     let mut notes = Vec::new();
