@@ -9,7 +9,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::bind::globals::Globals;
 use crate::bind::globals::names::{Global, code_kind};
-use crate::bind::trees::blocks::{block_class, header_of, is_forward, is_fragment, is_safety};
+use crate::bind::trees::blocks::{block_class, class_of_inputs, header_of, is_forward, is_fragment, is_safety};
 use crate::bind::trees::mentions;
 use crate::bind::trees::numbering::{LOOSE, LOOSE_HELP, block_of_file, frame, is_loose, numbered, source_prefix};
 use plcc_binding::fold;
@@ -382,8 +382,8 @@ impl<'a> Globals<'a> {
         }
     }
 
-    /// What starts an OB that does not state it: the TIA Portal makes it a program cycle OB. None in other sources, where the number
-    /// is unknown; that is reported.
+    /// What starts an OB that does not state it: in sources of the TIA Portal its inputs tell, otherwise it is a program cycle OB. None in other
+    /// sources, where the number is unknown; that is reported.
     fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
         let message = Diagnostic::new(
             Code::BlockFrame,
@@ -408,6 +408,9 @@ impl<'a> Globals<'a> {
         if !tia {
             self.report.push(message.label("the CPU finds an organization block by its number"));
             return None;
+        }
+        if let Some(class) = class_of_inputs(block) {
+            return Some(class);
         }
         let mut message = message.label("treated as a program cycle OB, as the TIA Portal does").help(
             "state what starts it: `{ S7_EventClass := 'CyclicInterrupt' }`, or give its number in the symbol table",

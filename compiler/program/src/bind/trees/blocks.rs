@@ -1,8 +1,8 @@
 //! What a block states about itself.
 
 use plcc_abi::names::External;
-use plcc_abi::ob::ObClass;
-use plcc_syntax::ast::{self, BlockName, CodeKind};
+use plcc_abi::ob::{OB_CLASSES, ObClass, START_VALUES, same_start_value};
+use plcc_syntax::ast::{self, BlockName, CodeKind, SectionKind};
 use plcc_syntax::chart::ast as chart;
 use plcc_syntax::scl::ast::{self as scl, Dialect};
 
@@ -141,4 +141,19 @@ pub fn block_class(block: &ast::Block) -> Option<ObClass> {
         ast::Block::Code(code) if code.kind == CodeKind::Ob => class_attribute(&code.header)?.0,
         ast::Block::Code(_) | ast::Block::Data(_) | ast::Block::Type(_) => None,
     }
+}
+
+/// What starts an OB, if its input parameters belong to one class alone: `Event_Count` is passed to cyclic interrupts only. Of classes that OBs
+/// with any number may have.
+pub fn class_of_inputs(block: &ast::Block) -> Option<ObClass> {
+    let ast::Block::Code(code) = block else { return None };
+    let sections = code.sections.iter().filter(|section| section.kind == SectionKind::Input);
+    let inputs: Vec<&str> =
+        sections.flat_map(|section| &section.variables).map(|variable| variable.name.as_str()).collect();
+    let is_passed = |class: ObClass, input: &str| {
+        START_VALUES.iter().any(|(of, name, ..)| *of == class && same_start_value(name, input))
+    };
+    let mut classes = OB_CLASSES.iter().filter(|row| inputs.iter().all(|input| is_passed(row.class, input)));
+    let row = classes.next().filter(|row| row.free)?;
+    classes.next().is_none().then_some(row.class)
 }
