@@ -53,6 +53,8 @@ pub struct BindInput<'a> {
 pub struct Bound {
     pub program: Program,
     pub diagnostics: Vec<Diagnostic>,
+    /// Warnings about valid code that does nothing, or hardly what its author means; none if there are errors.
+    pub reviewed: Vec<Diagnostic>,
     /// Names that are defined nowhere; each has a message among the others.
     pub missing: Vec<report::Uses>,
 }

@@ -127,7 +127,9 @@ pub fn finish(
             || diagnostic.code == Code::NoMainBlock
             || wrong.contains(&(diagnostic.code, diagnostic.primary.span))
     };
+    let reviewed = reliable(first.reviewed, &bound, &first.missing, &parts.left);
     let mut diagnostics: Vec<Diagnostic> = first.diagnostics.into_iter().filter(kept).collect();
+    diagnostics.extend(reviewed);
     diagnostics.extend(
         bound
             .diagnostics
@@ -141,6 +143,27 @@ pub fn finish(
     let mut program = bound.program;
     program.partial = tell(input, &first.missing, &parts, &mut diagnostics);
     Completed { program, diagnostics, stand_ins: parts.stand_ins }
+}
+
+/// The warnings of the first review that are not about what is missing. In a block that uses something missing they must hold with the
+/// stand-ins, too, and none says that a variable is not written: a missing block may write it. A block with a part left out has none.
+fn reliable(reviewed: Vec<Diagnostic>, bound: &Bound, missing: &[Uses], left: &[LeftOut]) -> Vec<Diagnostic> {
+    let mut starts: Vec<(FileId, u32)> =
+        bound.program.blocks.iter().map(|block| (block.span.file, block.span.start)).collect();
+    starts.sort_unstable();
+    let block_of = |span: Span| (span.file, starts.partition_point(|start| *start <= (span.file, span.start)));
+    let left: FxHashSet<(FileId, usize)> = left.iter().map(|part| block_of(part.span)).collect();
+    let lacking: FxHashSet<(FileId, usize)> =
+        missing.iter().flat_map(|uses| &uses.places).map(|place| block_of(*place)).collect();
+    let again: FxHashSet<(Code, Span)> =
+        bound.reviewed.iter().map(|message| (message.code, message.primary.span)).collect();
+    let is_reliable = |message: &Diagnostic| {
+        let (code, span) = (message.code, message.primary.span);
+        let block = block_of(span);
+        let holds = code != Code::NeverWritten && again.contains(&(code, span));
+        !left.contains(&block) && (holds || !lacking.contains(&block))
+    };
+    reviewed.into_iter().filter(is_reliable).collect()
 }
 
 fn missing_of(key: &MissingKey) -> Option<Missing> {

@@ -48,7 +48,8 @@ use plcc_model::{Body, CodeBlock, Interface, Program, Symbol, TestSettings};
 
 /// Binds the blocks of Micro/WIN sources. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
-    let Bound { program, diagnostics, .. } = bind_all(input);
+    let Bound { program, mut diagnostics, reviewed, .. } = bind_all(input);
+    diagnostics.extend(reviewed);
     (program, diagnostics)
 }
 
@@ -84,12 +85,15 @@ fn bind_all(input: &BindInput) -> Bound {
         partial: Vec::new(),
     };
     let (mut diagnostics, missing) = binder.report.finish();
+    let mut reviewed = Vec::new();
     // What is wrong may be why a statement seems useless.
     if !diagnostics.iter().any(Diagnostic::is_error) {
-        diagnostics.extend(review::review(&program.blocks));
-        diagnostics.retain(|message| !plcc_binding::pragma::is_asserted(message, input.sources));
+        reviewed = review::review(&program.blocks);
+        for list in [&mut diagnostics, &mut reviewed] {
+            list.retain(|message| !plcc_binding::pragma::is_asserted(message, input.sources));
+        }
     }
-    Bound { program, diagnostics, missing }
+    Bound { program, diagnostics, reviewed, missing }
 }
 
 struct Binder<'a> {

@@ -46,7 +46,8 @@ pub fn complete(input: &BindInput) -> Completed {
     let no_main =
         input.require_main && !first.program.blocks.iter().any(|block| block.kind == plcc_abi::image::BlockKind::Ob);
     if first.missing.is_empty() && !no_main && !first.diagnostics.iter().any(Diagnostic::is_error) {
-        let Bound { program, diagnostics, .. } = first;
+        let Bound { program, mut diagnostics, reviewed, .. } = first;
+        diagnostics.extend(reviewed);
         return Completed { program, diagnostics, stand_ins: String::new() };
     }
     let file = FileId(input.sources.files().count() as u32);

@@ -34,7 +34,8 @@ use plcc_model::{BlockConstant, BlockKey, Body, CodeBlock, Interface, Parameter,
 
 /// Binds a program. The program is complete if no message is an error and, with `partial`, nothing is undefined.
 pub fn bind(input: &BindInput) -> (Program, Vec<Diagnostic>) {
-    let Bound { program, diagnostics, .. } = bind_all(input);
+    let Bound { program, mut diagnostics, reviewed, .. } = bind_all(input);
+    diagnostics.extend(reviewed);
     (program, diagnostics)
 }
 
@@ -87,7 +88,7 @@ pub fn bind_all(input: &BindInput) -> Bound {
         blocks.iter().filter(|block| is_main(input, &program.globals.config, block)).map(CodeBlock::key).collect();
     // What is wrong may be why a statement seems useless.
     let is_clean = !program.globals.report.diagnostics.iter().any(Diagnostic::is_error);
-    let reviewed = if is_clean { review(&mut program, &blocks, &mains) } else { Vec::new() };
+    let mut reviewed = if is_clean { review(&mut program, &blocks, &mains) } else { Vec::new() };
     bind_system_blocks(&mut program, &mut blocks);
     program.check_pointers();
     blocks.sort_by_key(CodeBlock::key);
@@ -103,16 +104,18 @@ pub fn bind_all(input: &BindInput) -> Bound {
     let notices = std::mem::take(&mut program.globals.notices);
     program.globals.check_overlaps();
     let (mut diagnostics, missing) = program.globals.report.finish();
-    if !diagnostics.iter().any(Diagnostic::is_error) {
-        diagnostics.extend(reviewed);
+    if diagnostics.iter().any(Diagnostic::is_error) {
+        reviewed.clear();
     }
-    diagnostics.retain(|message| !is_asserted(message, input.sources));
-    // A message inside a system block has no file to show.
-    for diagnostic in &mut diagnostics {
-        if diagnostic.primary.span.file == SYSTEM_FILE {
-            diagnostic.primary.span = Span::default();
+    for list in [&mut diagnostics, &mut reviewed] {
+        list.retain(|message| !is_asserted(message, input.sources));
+        // A message inside a system block has no file to show.
+        for diagnostic in list {
+            if diagnostic.primary.span.file == SYSTEM_FILE {
+                diagnostic.primary.span = Span::default();
+            }
+            diagnostic.secondary.retain(|label| label.span.file != SYSTEM_FILE);
         }
-        diagnostic.secondary.retain(|label| label.span.file != SYSTEM_FILE);
     }
     let bound = Program {
         name: input.name.clone(),
@@ -126,7 +129,7 @@ pub fn bind_all(input: &BindInput) -> Bound {
         s7200: None,
         partial: Vec::new(),
     };
-    Bound { program: bound, diagnostics, missing }
+    Bound { program: bound, diagnostics, reviewed, missing }
 }
 
 /// True of the block that the CPU calls in each cycle.

@@ -51,7 +51,8 @@ pub fn complete(input: &BindInput) -> Completed {
     let no_main = input.require_main && !has_main(input, &first.program);
     let has_errors = first.diagnostics.iter().any(Diagnostic::is_error);
     if first.missing.is_empty() && !no_main && !has_errors {
-        let Bound { program, diagnostics, .. } = first;
+        let Bound { program, mut diagnostics, reviewed, .. } = first;
+        diagnostics.extend(reviewed);
         return Completed { program, diagnostics, stand_ins: String::new() };
     }
     let file = FileId(input.sources.files().count() as u32);
