@@ -1,9 +1,10 @@
 //! Uses in declarations: types, bounds, start values and constants.
 
 use plcc_diag::Span;
-use plcc_syntax::ast::{self, Bound, PathRoot, TypeKind, TypeRef};
+use plcc_syntax::ast::{self, BlockName, BlockPrefix, Bound, OperandKind, PathRoot, TypeKind, TypeRef};
 use plcc_syntax::scl::absolute;
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, NameForm};
+use plcc_syntax::symbols::SymbolTarget;
 
 use super::evidence::Hint;
 use super::look::{Look, Step, of_constant, step_of_part};
@@ -51,6 +52,33 @@ impl Look<'_, '_> {
                 if let Some(alias) = &ty.alias {
                     self.declared_as(alias);
                 }
+            }
+        }
+    }
+
+    /// Missing data blocks of which a symbol table says the function block or data type: `"Drive_1","DB 12","FB 12",""`.
+    pub fn rows_of_tables(&mut self) {
+        let input = self.program.globals.input;
+        for symbol in input.tables.iter().flat_map(|table| &table.symbols) {
+            let word: String = symbol.ty.split_whitespace().collect();
+            let (
+                SymbolTarget::Block { prefix: BlockPrefix::Db, number: db },
+                Some(OperandKind::Block(BlockName::Numbered { prefix, number, .. })),
+            ) = (symbol.target, absolute(&word))
+            else {
+                continue;
+            };
+            let (Some(db), Some(of)) = (Missing::block(BlockPrefix::Db, db), Missing::block(prefix, number)) else {
+                continue;
+            };
+            let is_there = match prefix {
+                // One that is missing has only the components of its variables.
+                BlockPrefix::Udt => self.is_block(prefix, number) && !self.found.things.contains_key(&of),
+                BlockPrefix::Fb | BlockPrefix::Sfb => self.is_block(prefix, number),
+                _ => false,
+            };
+            if let Some(shape) = self.found.things.get_mut(&db).filter(|_| is_there) {
+                shape.of.get_or_insert(of);
             }
         }
     }

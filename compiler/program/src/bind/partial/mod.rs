@@ -232,6 +232,7 @@ fn look_at(program: &mut Declarations, evidence: &mut Evidence, file: FileId) {
             }
         }
     }
+    look.rows_of_tables();
 }
 
 impl Look<'_, '_> {

@@ -54,7 +54,7 @@ enum Kind {
     Function,
     FunctionBlock,
     DataBlock,
-    /// An instance of a block, or of its own block.
+    /// An instance of a block, or of its own block; also one of a data type.
     Instance,
     Cell(CellKind),
     Tag,
@@ -142,7 +142,10 @@ impl Writer<'_> {
                     };
                     let ty = TypeRef { kind: TypeKind::Block(of), span };
                     stand_ins.blocks.push(data_block(name, DataContent::OfType(ty), span));
-                    "an instance data block".to_string()
+                    match shape.of.as_ref().and_then(Missing::numbered) {
+                        Some((BlockPrefix::Udt, number)) => format!("a data block of type UDT {number}"),
+                        _ => "an instance data block".to_string(),
+                    }
                 }
                 Kind::DataBlock => {
                     let (content, what) = content(shape, span);
