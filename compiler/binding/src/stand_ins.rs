@@ -170,7 +170,12 @@ fn missing_of(key: &MissingKey) -> Option<Missing> {
     match key {
         // A local name of statements without a header has no type that could be known.
         MissingKey::Local(_) => None,
-        MissingKey::Symbol(name) | MissingKey::Constant(name) => Some(Missing::Name(name.clone())),
+        MissingKey::Symbol(name) | MissingKey::Constant(name) => {
+            // A type without a symbol has its number.
+            let number = name.strip_prefix("udt ").and_then(|number| number.parse().ok());
+            let udt = number.and_then(|number| Missing::block(BlockPrefix::Udt, number));
+            Some(udt.unwrap_or_else(|| Missing::Name(name.clone())))
+        }
         MissingKey::Block(prefix, number) | MissingKey::NotShipped(prefix, number) => {
             Missing::block(*prefix, u32::from(*number))
         }

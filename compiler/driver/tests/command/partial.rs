@@ -44,6 +44,16 @@ fn what_stands_in_is_told_at_the_start_of_every_run() {
 }
 
 #[test]
+fn what_stands_in_for_a_numbered_type_is_told() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let source = "FUNCTION_BLOCK FB 14\nVAR\n  recipe : UDT 5;\nEND_VAR\nBEGIN\n  L #recipe.volume;\n  T MD 10;\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.path().join("valve.stl"), source).expect("the folder can be written");
+    let check = plcc(folder.path(), &["check", "--partial", "valve.stl"]);
+    let told = "in its place: a structure of the one component that is used";
+    assert!(errors(&check).contains(told), "{}", errors(&check));
+}
+
+#[test]
 fn a_project_can_say_that_it_is_partial() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("valve.stl"), SOURCE).expect("the folder can be written");
