@@ -360,6 +360,20 @@ impl Report {
         });
     }
 
+    /// A block that nothing defines, with the number of a library block but another symbol.
+    pub fn renamed_block(&mut self, prefix: BlockPrefix, number: u16, library: &str, span: Span) {
+        if number <= LOW_NUMBERS {
+            return self.missing_block(prefix, number, span);
+        }
+        self.missing(MissingKey::Block(prefix, number), span, || {
+            Diagnostic::new(Code::UnknownBlock, span, format!("{} {number} is not defined", prefix.letters()))
+                .label("no source of the program defines this block")
+                .help(format!(
+                    "add the source that defines it; if it is `{library}` of the library, name it `{library}` in the symbol table"
+                ))
+        });
+    }
+
     /// A block that the CPU or a Siemens library has but plcc does not.
     pub fn not_shipped(&mut self, prefix: BlockPrefix, number: u16, name: &str, span: Span) {
         self.missing(MissingKey::NotShipped(prefix, number), span, || {

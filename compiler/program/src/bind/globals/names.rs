@@ -2,7 +2,7 @@
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_stdlib::SystemBlock;
+use plcc_stdlib::{BlockClass, Form, SystemBlock};
 use plcc_syntax::ast::{BlockName, BlockPrefix};
 use rustc_hash::FxHashMap;
 
@@ -255,7 +255,21 @@ impl Globals<'_> {
             Some(block) if matches!(prefix, BlockPrefix::Fc | BlockPrefix::Fb) => {
                 self.report.not_shipped(prefix, number, block.name, span);
             }
-            _ => self.report.missing_block(prefix, number, span),
+            _ => match self.library_of_number(prefix, number).filter(|_| !name.is_empty()) {
+                Some(library) => self.report.renamed_block(prefix, number, library.name, span),
+                None => self.report.missing_block(prefix, number, span),
+            },
         }
+    }
+
+    /// The FC or FB of a library that has this number there.
+    fn library_of_number(&self, prefix: BlockPrefix, number: u16) -> Option<&'static SystemBlock> {
+        let class = match prefix {
+            BlockPrefix::Fc => BlockClass::Fc,
+            BlockPrefix::Fb => BlockClass::Fb,
+            _ => return None,
+        };
+        let block = plcc_stdlib::find(class, number)?;
+        (block.form != Form::NotShipped && !self.library.is_foreign(block)).then_some(block)
     }
 }

@@ -3,6 +3,7 @@
 use plcc_diag::{SourceFile, SourceMap, Span};
 use plcc_stdlib::Form;
 
+use super::bind_text;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::shipped::empty;
 use crate::bind::program::bind_system_blocks;
@@ -31,4 +32,13 @@ fn every_block_is_described() {
         assert!(!block.comment.is_empty(), "{} has no comment above it", block.name);
         assert!(!block.origin.is_empty(), "the file of {} does not name a source", block.name);
     }
+}
+
+/// Its number alone does not say that a block with another symbol is one of the library.
+#[test]
+fn a_renamed_block_is_told_its_name_in_the_library() {
+    let source = "ORGANIZATION_BLOCK OB 1\nBEGIN\n  CALL \"Scaling\" (IN := MW 10);\nEND_ORGANIZATION_BLOCK\n";
+    let (_, messages) = bind_text(source, "\"Scaling\",\"FC  105\",\"FC  105\",\"\"\n", false);
+    let help = "add the source that defines it; if it is `SCALE` of the library, name it `SCALE` in the symbol table";
+    assert_eq!(messages.iter().map(|message| message.help.as_deref()).collect::<Vec<_>>(), [Some(help)]);
 }
