@@ -6,13 +6,14 @@
 use plcc_diag::Span;
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, Bound, OperandKind, PathPart, TypeKind, Width};
 use plcc_syntax::scl::ast::{Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
-use plcc_syntax::scl::{absolute, db_address};
+use plcc_syntax::scl::{absolute, db_address, db_area_word};
 use plcc_syntax::{Elementary, scl};
 use rustc_hash::FxHashMap;
 
 use super::evidence::{Evidence, Hint};
 use super::inside::descend;
 use super::scl::parameter_hint;
+use super::write::OPENED_BYTES;
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::typed::Use;
 use crate::bind::scl::value::Value;
@@ -171,12 +172,40 @@ impl<'a> Look<'_, 'a> {
                         known.push(self.number(ctx, index));
                         self.expect(ctx, index, Some(&Hint::Literal(DataType::Elementary(Elementary::Int))));
                     }
-                    steps.push(Step::Index(known));
-                    at = base;
+                    match self.indexed(ctx, base, &known).filter(|_| steps.is_empty()) {
+                        Some((end, db)) => {
+                            steps.push(Step::Absolute(end));
+                            at = db;
+                        }
+                        None => {
+                            steps.push(Step::Index(known));
+                            at = base;
+                        }
+                    }
                 }
                 _ => return None,
             }
         }
+    }
+
+    /// The data block of `DB10.DW[i]` or `"Data".DX[i, 7]` in S7-SCL, and the bytes that the address reaches. `base`: what is before
+    /// the indices.
+    fn indexed<'n>(&self, ctx: &SclBlock, base: &'n Node, indices: &[Option<i64>]) -> Option<(u32, &'n Node)> {
+        let NodeKind::Member { base: db, name } = &base.kind else { return None };
+        let width = db_area_word(name.text.strip_prefix('%').unwrap_or(&name.text))?;
+        let is_area = name.form == NameForm::Bare
+            && ctx.scope.rules.is_300()
+            && indices.len() == if width == Width::Bit { 2 } else { 1 };
+        let is_block = match &db.kind {
+            NodeKind::Name(name) => matches!(self.start_of(ctx, name, true)?, Start::Global(_) | Start::Block(..)),
+            NodeKind::Absolute(OperandKind::Block(_)) => true,
+            _ => false,
+        };
+        let end = match indices.first()?.map(u32::try_from) {
+            Some(Ok(byte)) => byte.saturating_add(width.bytes()),
+            _ => OPENED_BYTES,
+        };
+        (is_area && is_block).then_some((end, &**db))
     }
 
     /// An integer whose value is known now.

@@ -24,7 +24,7 @@ pub const MEMORY_START: u32 = 32_768;
 const MEMORY_END: u32 = plcc_abi::layout::AREA_BYTES;
 
 /// Bytes of a data block if no use shows its size.
-const OPENED_BYTES: u32 = 1024;
+pub const OPENED_BYTES: u32 = 1024;
 
 /// The value of the first missing constant; each has its own value. Those that are lower bounds of arrays have the values below.
 const FIRST_CONSTANT: i64 = 101;
