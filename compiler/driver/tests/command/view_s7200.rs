@@ -6,6 +6,11 @@ use crate::plcc;
 
 /// The texts in the pictures of the first `networks` networks of MAIN, in a program of these sources.
 fn texts(sources: &[(&str, &str)], networks: usize) -> Vec<Vec<String>> {
+    texts_of("OB_1", sources, networks)
+}
+
+/// As [`texts`], of a block.
+fn texts_of(block: &str, sources: &[(&str, &str)], networks: usize) -> Vec<Vec<String>> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     for (name, text) in sources {
@@ -13,7 +18,7 @@ fn texts(sources: &[(&str, &str)], networks: usize) -> Vec<Vec<String>> {
     }
     let output = plcc(folder, &["view", ".", "--partial", "-o", "drawings"]);
     let shown = |number: usize| {
-        let picture = fs::read_to_string(folder.join(format!("drawings/OB_1_network_{number}.svg")));
+        let picture = fs::read_to_string(folder.join(format!("drawings/{block}_network_{number}.svg")));
         let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
         let texts = picture.split("</text>").filter_map(|text| text.rsplit('>').next().map(str::to_owned));
         texts.filter(|text| !text.trim().is_empty()).collect::<Vec<String>>()
@@ -43,4 +48,26 @@ fn the_address_of_a_symbol_is_below_it() {
     for text in ["Begin", "I0.0", "Lamp", "Q0.0"] {
         assert!(shown.iter().any(|shown| shown == text), "{text} in {shown:?}");
     }
+}
+
+#[test]
+fn steps_labels_and_returns_have_the_names_of_micro_win() {
+    let main = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK\nLSCR S0.1\nNETWORK\nLD I0.0\nSCRT S0.2\nNETWORK\nSCRE\nNETWORK\n\
+                LD I0.1\nJMP 3\nNETWORK\nLBL 3\nEND_ORGANIZATION_BLOCK\n";
+    let stop = "SUBROUTINE_BLOCK Stop:SBR0\nBEGIN\nNETWORK\nLD I0.0\nCRET\nEND_SUBROUTINE_BLOCK\n";
+    let sources = [("main.awl", main), ("stop.awl", stop)];
+    let mut shown = texts(&sources, 5);
+    shown.extend(texts_of("SBR_0", &sources, 1));
+    for texts in &mut shown {
+        texts.sort();
+    }
+    let expected: [&[&str]; 6] = [
+        &["S0.1", "SCR"],
+        &["I0.0", "S0.2", "SCRT"],
+        &["SCRE"],
+        &["3", "I0.1", "JMP"],
+        &["3", "LBL"],
+        &["I0.0", "RET"],
+    ];
+    assert_eq!(shown, expected);
 }

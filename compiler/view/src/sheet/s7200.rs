@@ -255,8 +255,21 @@ impl Maker<'_> {
             }
         };
         let classes = insn.operands();
+        // The beginning of a step and a label are boxes, with their operand above and no name at the rail.
+        if let Insn::Lscr | Insn::Lbl = insn {
+            let title = if insn == Insn::Lscr { "SCR" } else { name };
+            let look = Look::Box { title: title.to_string(), detail: String::new(), instance: labels.pop() };
+            self.rungs.part(look, Meaning::Other, Vec::new(), Some(from), None);
+            self.rungs.name_input("");
+            return Ok(());
+        }
         if labels.is_empty() || classes.iter().all(|class| matches!(class, OperandClass::Label | OperandClass::SBit)) {
-            self.rungs.coil(name, labels, from);
+            let sign = match insn {
+                Insn::Cret => "RET",
+                Insn::Creti => "RETI",
+                _ => name,
+            };
+            self.rungs.coil(sign, labels, from);
             return Ok(());
         }
         if let Some(Face { title, detail, pins }) = face(name)
