@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 use plcc_syntax::ast::{SourceUnit, Width};
 use plcc_syntax::s7200::ast::{self, Area, BlockKind, OperandKind, StatementKind, SymbolForm};
-use plcc_syntax::s7200::{Insn, OperandClass};
+use plcc_syntax::s7200::{Insn, OperandClass, parse_block};
 use rustc_hash::FxHashSet;
 
 use super::names::fold;
@@ -40,6 +40,9 @@ struct Thing {
     used: Option<Use>,
 }
 
+/// The blocks that rows of symbol tables name.
+type Named = BTreeMap<String, (BlockKind, u32)>;
+
 /// Binds a program in which parts may be missing, with stand-ins for them.
 pub fn complete(input: &BindInput) -> Completed {
     let first = super::bind_all(input);
@@ -59,12 +62,14 @@ pub fn complete(input: &BindInput) -> Completed {
             _ => None,
         })
         .collect();
+    let rows = input.tables.iter().flat_map(|table| &table.s7200);
+    let named: Named = rows.filter_map(|row| Some((fold(&row.name), parse_block(&row.address)?))).collect();
     let mut units = input.units.to_vec();
     let mut things: BTreeMap<String, Thing> = BTreeMap::new();
     let mut highest = 0;
     for source in units.iter_mut().filter_map(|(_, unit)| unit.s7200.as_mut()) {
         for block in &mut source.blocks {
-            look_at(block, &missing, &mut things, &mut highest);
+            look_at(block, &missing, &named, &mut things, &mut highest);
         }
         for line in &source.data {
             // Consecutive values have four bytes at most.
@@ -111,6 +116,7 @@ pub fn complete(input: &BindInput) -> Completed {
 fn look_at(
     block: &mut ast::Block,
     missing: &FxHashSet<String>,
+    named: &Named,
     things: &mut BTreeMap<String, Thing>,
     highest: &mut u32,
 ) {
@@ -119,7 +125,7 @@ fn look_at(
         let StatementKind::Instruction { insn, operands, .. } = &mut statement.kind else { continue };
         if *insn == Insn::Call
             && let Some(target) = operands.first()
-            && is_missing(target, missing)
+            && key_of(target, named).is_some_and(|(key, _)| missing.contains(&key))
         {
             operands.truncate(1);
         }
@@ -129,7 +135,7 @@ fn look_at(
                 (Insn::Call, 1..) => None,
                 _ => classes.get(at).copied(),
             };
-            note(operand, class, &locals, missing, things);
+            note(operand, class, &locals, missing, named, things);
             if let Some(end) = end_of(operand) {
                 *highest = (*highest).max(end);
             }
@@ -148,23 +154,22 @@ fn end_of(operand: &ast::Operand) -> Option<u32> {
     }
 }
 
-fn key_of(operand: &ast::Operand) -> Option<(String, Option<(BlockKind, u32)>)> {
-    match &operand.kind {
-        OperandKind::Symbol { name, form } if *form != SymbolForm::Local => Some((fold(name), None)),
-        OperandKind::Block { kind, number } => {
-            let letters = match kind {
-                BlockKind::Main => "ob",
-                BlockKind::Subroutine => "sbr",
-                BlockKind::Interrupt => "int",
-            };
-            Some((format!("{letters}{number}"), Some((*kind, *number))))
-        }
-        _ => None,
-    }
-}
-
-fn is_missing(operand: &ast::Operand, missing: &FxHashSet<String>) -> bool {
-    key_of(operand).is_some_and(|(key, _)| missing.contains(&key))
+/// By what an operand may be missing: the key of its name, or of the block that it means.
+fn key_of(operand: &ast::Operand, named: &Named) -> Option<(String, Option<(BlockKind, u32)>)> {
+    let (kind, number) = match &operand.kind {
+        OperandKind::Symbol { name, form } if *form != SymbolForm::Local => match named.get(&fold(name)) {
+            Some(block) => *block,
+            None => return Some((fold(name), None)),
+        },
+        OperandKind::Block { kind, number } => (*kind, *number),
+        _ => return None,
+    };
+    let letters = match kind {
+        BlockKind::Main => "ob",
+        BlockKind::Subroutine => "sbr",
+        BlockKind::Interrupt => "int",
+    };
+    Some((format!("{letters}{number}"), Some((kind, number))))
 }
 
 fn note(
@@ -172,6 +177,7 @@ fn note(
     class: Option<OperandClass>,
     locals: &FxHashSet<String>,
     missing: &FxHashSet<String>,
+    named: &Named,
     things: &mut BTreeMap<String, Thing>,
 ) {
     let used = class.and_then(|class| match class {
@@ -187,16 +193,21 @@ fn note(
         }),
     });
     match &operand.kind {
-        OperandKind::Indirect(pointer) => return note(pointer, Some(OperandClass::DwordIn), locals, missing, things),
-        OperandKind::AddressOf(inner) => return note(inner, Some(OperandClass::ByteIn), locals, missing, things),
+        OperandKind::Indirect(pointer) => {
+            return note(pointer, Some(OperandClass::DwordIn), locals, missing, named, things);
+        }
+        OperandKind::AddressOf(inner) => {
+            return note(inner, Some(OperandClass::ByteIn), locals, missing, named, things);
+        }
         _ => {}
     }
-    let Some((key, block)) = key_of(operand) else { return };
-    if !missing.contains(&key) || locals.contains(&key) {
+    let Some((key, block)) = key_of(operand, named) else { return };
+    let is_local = matches!(&operand.kind, OperandKind::Symbol { name, .. } if locals.contains(&fold(name)));
+    if !missing.contains(&key) || is_local {
         return;
     }
-    let name = match &operand.kind {
-        OperandKind::Symbol { name, .. } => name.clone(),
+    let name = match (&operand.kind, block) {
+        (OperandKind::Symbol { name, .. }, None) => name.clone(),
         _ => key.to_uppercase(),
     };
     let thing = things.entry(key).or_insert(Thing { name, number: block.map(|(_, number)| number), used: None });

@@ -64,6 +64,26 @@ fn a_project_can_say_that_it_is_partial() {
     assert_eq!(check.status.code(), Some(0), "{}", errors(&check));
 }
 
+/// Symbol tables of Micro/WIN also name subroutines of its libraries, which no source has.
+#[test]
+fn a_symbol_may_name_a_missing_subroutine_of_an_s7_200() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let networks =
+        "NETWORK\nLD SM0.0\nCALL MBUS_SLAVE, M1.1, MB6\nMOVB 5, VB0\nNETWORK\nLD SM0.1\nATCH Tick, 10\nMOVB 6, VB1\n";
+    let main = format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n{networks}END_ORGANIZATION_BLOCK\n");
+    fs::write(folder.path().join("main.awl"), main).expect("the folder can be written");
+    let table = "MBUS_SLAVE\tSBR1\tslave\nTick\tINT0\t\n";
+    fs::write(folder.path().join("symbols.txt"), table).expect("the folder can be written");
+    let arguments = ["run", ".", "--partial", "--cycles", "1", "--print", "VB0", "--print", "VB1"];
+    let run = plcc(folder.path(), &arguments);
+    assert_eq!(String::from_utf8_lossy(&run.stdout), "VB0 = 16#05\nVB1 = 16#06\n", "{}", errors(&run));
+    for line in
+        ["partial: SBR1 is missing: a stub that does nothing", "partial: INT0 is missing: a stub that does nothing"]
+    {
+        assert_eq!(errors(&run).matches(line).count(), 1, "{line} in {}", errors(&run));
+    }
+}
+
 #[test]
 fn which_version_of_a_block_counts_is_not_guessed() {
     let folder = tempfile::tempdir().expect("a temporary folder");
