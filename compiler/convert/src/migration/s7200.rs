@@ -3,8 +3,9 @@
 //! Source: S7-200 system manual, SIMATIC instructions and special memory; S7-1200 system manual, instructions, organization blocks and
 //! system and clock memory.
 
+use plcc_abi::image::BlockKind;
 use plcc_model::s7200::{Insn, Operand, StatementKind};
-use plcc_model::{Body, Program};
+use plcc_model::{BlockKey, Body, Program};
 use plcc_xref::Reference;
 
 use super::Fate::{Carries, Changes, Lost, Unknown};
@@ -24,8 +25,13 @@ pub(super) fn collect(program: &Program, reference: &Reference, rows: &mut Rows)
                     }
                     operands
                 }
-                StatementKind::Call { arguments, .. } => {
-                    rows.add("CALL", instruction(Insn::Call), place.clone());
+                StatementKind::Call { number, arguments } => {
+                    let called = program.block(BlockKey { kind: BlockKind::Sbr, number: *number });
+                    let name = called.map(|block| block.name.to_ascii_uppercase()).unwrap_or_default();
+                    match of_library(&name) {
+                        Some(verdict) => rows.add(name, verdict, place.clone()),
+                        None => rows.add("CALL", instruction(Insn::Call), place.clone()),
+                    }
                     arguments
                 }
                 StatementKind::Assert(_) | StatementKind::Sleep(_) => continue,
@@ -178,6 +184,21 @@ fn instruction(insn: Insn) -> Verdict {
         Insn::Todw => (Changes, "WR_LOC_T or WR_SYS_T, with a DTL"),
         Insn::Todrx | Insn::Todwx => (Changes, "RD_LOC_T and SET_TIMEZONE, with a DTL"),
     }
+}
+
+/// What becomes of a subroutine of a library of Micro/WIN. Source: S7-1200 system manual, USS and Modbus RTU communication.
+fn of_library(name: &str) -> Option<Verdict> {
+    Some(match name {
+        "USS_INIT" => (Changes, "nothing: USS_Port_Scan has the port and its baud rate"),
+        "USS_CTRL" => (Changes, "USS_Drive_Control for each drive, and USS_Port_Scan in a cyclic interrupt"),
+        "USS_RPM_W" | "USS_RPM_D" | "USS_RPM_R" => (Changes, "USS_Read_Param"),
+        "USS_WPM_W" | "USS_WPM_D" | "USS_WPM_R" => (Changes, "USS_Write_Param"),
+        "MBUS_INIT" => (Changes, "Modbus_Comm_Load; Modbus_Slave has the address and the holding registers"),
+        "MBUS_SLAVE" => (Changes, "Modbus_Slave"),
+        "MBUS_CTRL" | "MBUS_CTRL_P1" => (Changes, "Modbus_Comm_Load"),
+        "MBUS_MSG" | "MBUS_MSG_P1" => (Changes, "Modbus_Master"),
+        _ => return None,
+    })
 }
 
 /// What becomes of an event of ATCH. Source: S7-200 system manual, priority table of interrupt events.

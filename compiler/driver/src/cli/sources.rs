@@ -73,6 +73,9 @@ pub struct ConvertArgs {
     /// CPU of the program, such as `315-2DP`, or family [default: that of the project or of a line `//@ cpu`, else what the sources imply].
     #[arg(long, value_name = "NAME")]
     pub cpu: Option<String>,
+    /// Report on a program with missing parts, each of which gets a warning.
+    #[arg(long)]
+    pub partial: bool,
     /// Code page of sources that are not UTF-8, such as `936` or `gbk` [default: detected for each file].
     #[arg(long, value_name = "PAGE")]
     pub code_page: Option<CodePage>,

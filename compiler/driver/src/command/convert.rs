@@ -76,6 +76,10 @@ fn tags_beside(file: FileId, source: &str, tables: &[SymbolTable]) -> (Option<Be
 /// Writes each source as the command line says, or the report of a migration. Returns 3 if one has an error or cannot be converted; then
 /// nothing is written.
 pub fn convert(args: &ConvertArgs) -> u8 {
+    if args.partial && args.report.is_none() {
+        report::say("--partial is for --report: leave it out");
+        return exit::USAGE;
+    }
     match (args.to, &args.report) {
         (Some(ConvertTo::Plcopen), _) => whole::plcopen(args),
         (Some(to), _) => notation(args, to),

@@ -16,13 +16,16 @@ pub(super) fn report(args: &ConvertArgs, family: &str) -> u8 {
     };
     let read = inputs::read_as(&args.inputs, args.code_page);
     let unreadable = read.is_unreadable();
-    let settings = pipeline::Settings { cpu: args.cpu.clone(), ..pipeline::Settings::default() };
+    let settings = pipeline::Settings { cpu: args.cpu.clone(), partial: args.partial, ..pipeline::Settings::default() };
     let mut bound = pipeline::front(read, &settings);
     if bound.has_errors() {
         bound.diagnostics.retain(Diagnostic::is_error);
         report::messages(&mut bound.diagnostics, &bound.sources);
         report::say(&report::summary(&bound.diagnostics));
         return if unreadable { exit::USAGE } else { exit::COMPILE };
+    }
+    if args.partial {
+        report::messages(&mut bound.diagnostics, &bound.sources);
     }
     let migration = match Migration::of(target.family, &bound.program) {
         Ok(migration) => migration,

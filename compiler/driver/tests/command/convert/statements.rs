@@ -102,6 +102,25 @@ fn reports_of_migrations_have_blocks_of_the_libraries() {
     assert!(!report.contains("FC 2 "), "{report}");
 }
 
+/// Subroutines of libraries of Micro/WIN are in no source: a report of a program with missing parts has them.
+#[test]
+fn a_report_of_a_program_with_missing_parts_has_libraries_of_micro_win() {
+    let list = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK\nLD SM0.1\nCALL USS_INIT, 1, 9600, 1, M0.0, VB1\nNETWORK\nLD SM0.0\n\
+                CALL MBUS_MSG, M1.0, 2, 0, 40001, 4, &VB100, M2.1, MB8\nEND_ORGANIZATION_BLOCK\n";
+    let folder = folder_with(&[("a.awl", list)]);
+    let refused = plcc(&folder, &["convert", "a.awl", "--report", "s7-1200"]);
+    assert_eq!(refused.status.code(), Some(3));
+    assert!(text(&refused.stderr).contains("`--partial`"), "{}", text(&refused.stderr));
+    let output = plcc(&folder, &["convert", "a.awl", "--report", "s7-1200", "--partial"]);
+    let report = text(&output.stdout);
+    assert!(report.contains("  MBUS_MSG          Modbus_Master\n      a.awl:8  CALL MBUS_MSG, "), "{report}");
+    assert!(report.contains("  USS_INIT          nothing: USS_Port_Scan has the port and its baud rate\n"), "{report}");
+    assert!(!report.contains("  CALL "), "{report}");
+    assert!(text(&output.stderr).contains("the subroutine `USS_INIT` is not defined"), "{}", text(&output.stderr));
+    let other = plcc(&folder, &["convert", "a.awl", "--to", "awl", "--partial"]);
+    assert_eq!(other.status.code(), Some(2), "{}", text(&other.stderr));
+}
+
 /// `SE` starts an on-delay in the German set and an extended pulse in the international one.
 #[test]
 fn a_source_that_does_not_show_its_mnemonics_has_those_of_the_others() {
