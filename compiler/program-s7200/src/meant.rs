@@ -45,12 +45,19 @@ impl Binder<'_> {
             return Vec::new();
         }
         let forms: Vec<Form> = operands.iter().map(|operand| self.form_of(locals, operand)).collect();
-        // A REAL has other conversions.
-        let is_real = |operand: &ast::Operand| match &operand.kind {
-            OperandKind::Symbol { name, .. } => locals.find(name).is_some_and(|local| local.ty == Type::Real),
-            _ => false,
+        let ty = |operand: &ast::Operand| match &operand.kind {
+            OperandKind::Symbol { name, .. } => locals.find(name).map(|local| local.ty),
+            _ => None,
         };
-        let conversion: &[Insn] = if operands.iter().any(is_real) { &[] } else { conversion(insn, &forms) };
+        // Variables of other types have other conversions.
+        let is_other = match insn {
+            Insn::MovR | Insn::Round | Insn::Trunc => {
+                matches!(operands.first().and_then(ty), Some(Type::Dint | Type::Dword))
+            }
+            Insn::Dtr => false,
+            _ => operands.iter().any(|operand| ty(operand) == Some(Type::Real)),
+        };
+        let conversion: &[Insn] = if is_other { &[] } else { conversion(insn, &forms) };
         let mut misfits = Vec::new();
         for ((operand, form), class) in operands.iter().zip(&forms).zip(insn.operands()) {
             if let (Form::Place(direct), Some(needed)) = (form, width(*class))
@@ -62,7 +69,7 @@ impl Binder<'_> {
         }
         let Some(&(span, direct, class, needed)) = misfits.first() else { return Vec::new() };
         let relatives = relatives(insn);
-        if relatives.is_empty() && class != OperandClass::Bit {
+        if relatives.is_empty() && conversion.is_empty() && class != OperandClass::Bit {
             let alone = |(span, direct, class, needed): (Span, ast::Direct, OperandClass, Width)| {
                 let same = self.of_width(direct, needed, span);
                 self.width_message(class, direct, needed, span).help(format!("write {same}"))
@@ -80,10 +87,15 @@ impl Binder<'_> {
                 let why = if insn == Insn::MovD { " for the value" } else { ", which converts the value" };
                 statements.push(format!("`{} {list}`{why}", self.mnemonic(*only)));
             }
-            ([first, second], [.., target]) => {
-                let target = self.written(target.span);
-                let second = self.mnemonic(*second);
-                statements.push(format!("`{} {list}`, then `{second} {target}, {target}`", self.mnemonic(*first)));
+            ([first, second], [source, target]) => {
+                let has_room = match (first.operands(), forms.last()) {
+                    ([.., result], Some(Form::Place(place))) => may_be(*result, *place),
+                    _ => false,
+                };
+                let (source, target) = (self.written(source.span), self.written(target.span));
+                let between = if has_room { target.clone() } else { "AC0".to_string() };
+                let (first, second) = (self.mnemonic(*first), self.mnemonic(*second));
+                statements.push(format!("`{first} {source}, {between}`, then `{second} {between}, {target}`"));
             }
             _ => {}
         }
@@ -159,7 +171,7 @@ fn fits(insn: Insn, forms: &[Form]) -> bool {
         })
 }
 
-/// The conversions that do with these operands what the move `insn` is meant to do.
+/// The conversions that do with these operands what `insn`, a move or one conversion, is meant to do.
 fn conversion(insn: Insn, forms: &[Form]) -> &'static [Insn] {
     let [Form::Place(source), Form::Place(target)] = forms else { return &[] };
     let width = match source.area {
@@ -167,7 +179,10 @@ fn conversion(insn: Insn, forms: &[Form]) -> &'static [Insn] {
         _ => source.width,
     };
     let list: &[Insn] = match (insn, width, target.width) {
-        (Insn::MovR, Some(Width::Word), Some(Width::Dword)) => &[Insn::Itd, Insn::Dtr],
+        (Insn::MovR | Insn::Dtr, Some(Width::Word), Some(Width::Dword)) => &[Insn::Itd, Insn::Dtr],
+        (Insn::MovR | Insn::Round, Some(Width::Dword), Some(Width::Word)) => &[Insn::Round, Insn::Dti],
+        (Insn::Trunc, Some(Width::Dword), Some(Width::Word)) => &[Insn::Trunc, Insn::Dti],
+        (Insn::Itd | Insn::Bti, Some(Width::Byte), Some(Width::Dword)) => &[Insn::Bti, Insn::Itd],
         (Insn::MovB | Insn::MovW | Insn::MovD, Some(width), Some(target)) => match (width, target) {
             (Width::Byte, Width::Word) => &[Insn::Bti],
             (Width::Word, Width::Byte) => &[Insn::Itb],
