@@ -470,7 +470,10 @@ impl BlockLowering<'_, '_> {
 
     fn call_block_instance(&mut self, call: &Call, callee: &CodeBlock, function: FuncId, instance: &Instance) {
         let at = self.instance_at(instance);
-        let given = self.given(call, callee);
+        let given = match at.checks.is_empty() {
+            true => self.given_to_instance(at.addr, call, callee),
+            false => self.given(call, callee),
+        };
         let guard = self.begin_guard(at.checks, Substitute::None);
         for given in &given {
             self.fill(at.addr, callee, given, false);

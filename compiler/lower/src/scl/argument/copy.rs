@@ -1,9 +1,11 @@
 //! Parameters of instances and in structures of system functions: copies.
 
 use plcc_ir::{Address, Type, Value};
+use plcc_model::scl::{Actual, Call, Complex};
 use plcc_model::types::DataType;
 use plcc_model::{CodeBlock, Direction, Parameter, Passing, Width};
 
+use super::text::value_calls_something;
 use super::{Back, Given, Source, Supply};
 use crate::block::BlockLowering;
 use crate::fault::Substitute;
@@ -12,6 +14,26 @@ use crate::pointer::moved;
 use crate::scl::text::{OWN_MAXIMUM, Text, TextPlace};
 
 impl BlockLowering<'_, '_> {
+    /// Evaluates the arguments of a call of the instance at `base`. A structure at an input before an argument that calls something, which may
+    /// change the structure, is written to the instance in its turn, and is not among the results.
+    pub fn given_to_instance<'m>(&mut self, base: Address, call: &'m Call, callee: &CodeBlock) -> Vec<Given<'m>> {
+        let last_call = call.arguments.iter().rposition(|argument| calls_something(&argument.actual));
+        let mut all = Vec::new();
+        for (at, argument) in call.arguments.iter().enumerate() {
+            let parameter = &callee.interface.parameters[argument.parameter];
+            let given = self.give(parameter, argument);
+            let is_copied = parameter.direction == Direction::Input
+                && matches!(parameter.passing, Passing::Complex { .. })
+                && matches!(given.supply, Supply::Complex(Source::Variable { .. }));
+            if is_copied && last_call.is_some_and(|last| at < last) {
+                self.fill(base, callee, &given, false);
+            } else {
+                all.push(given);
+            }
+        }
+        all
+    }
+
     /// Writes the input to the formal's place, relative to `base`. For a system function, all complex values are copies.
     pub fn fill(&mut self, base: Address, callee: &CodeBlock, given: &Given, system: bool) {
         let parameter = &callee.interface.parameters[given.parameter];
@@ -146,5 +168,21 @@ impl BlockLowering<'_, '_> {
             Some(located) => self.write_located(back.access, located, value),
             None => self.write_access(back.access, value),
         }
+    }
+}
+
+/// Whether an argument that is a value contains a call.
+fn calls_something(actual: &Actual) -> bool {
+    match actual {
+        Actual::Value(value) | Actual::PointerToValue { value, .. } => value_calls_something(value),
+        Actual::Complex(value) | Actual::PointerToComplex { value, .. } => matches!(value, Complex::Call(_)),
+        Actual::Variable { .. }
+        | Actual::Reference(_)
+        | Actual::Number(_)
+        | Actual::Dropped
+        | Actual::PointerBytes(_)
+        | Actual::PointerTo { .. }
+        | Actual::PointerCopy(_)
+        | Actual::Variant(..) => false,
     }
 }

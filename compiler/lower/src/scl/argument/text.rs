@@ -89,6 +89,13 @@ fn calls_nothing(access: &Access) -> bool {
     !calls.0
 }
 
+/// Whether a value contains a call.
+pub(super) fn value_calls_something(value: &Expr) -> bool {
+    let mut calls = Calls::default();
+    walk::expr(value, &mut calls);
+    calls.0
+}
+
 /// The inner call of one that joins two texts, if one function can join all three.
 ///
 /// The outer call finds out where its other texts are after the inner call has run; nothing may change on the way.
