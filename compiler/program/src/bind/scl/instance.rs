@@ -79,6 +79,7 @@ impl SclBinder<'_, '_> {
                 return None;
             }
             Some(_) => return self.no_callee(node.span),
+            None if self.undefined_instance(ctx, base, &name.text) => return None,
             None => {
                 let access = self.access(ctx, base, Intent::Both)?;
                 match &access.ty {
@@ -99,6 +100,36 @@ impl SclBinder<'_, '_> {
             Some(key) => Some(Callee::Block { key, instance: Some(instance) }),
             None => self.wrong_instruction(&ty, &instance, name),
         }
+    }
+
+    /// Reports `"Wait".TON(…)` where nothing has the name or one that resembles it; false: the base may be defined.
+    fn undefined_instance(&mut self, ctx: &SclBlock, base: &Node, asked: &str) -> bool {
+        const NAMED_BY_THE_PORTAL: [&str; 2] = ["iec_timer_", "iec_counter_"];
+        let NodeKind::Name(instance) = &base.kind else { return false };
+        let folded = fold(&instance.text);
+        let globals = &self.program.globals;
+        let defined = || {
+            let names = globals.names.symbols.values().map(|global| global.name.as_str());
+            let mut rows = globals.input.tables.iter().flat_map(|table| &table.unreadable);
+            ctx.block.bound.locals.contains_key(&folded)
+                || globals.names.symbols.contains_key(&folded)
+                || rows.any(|row| fold(&row.name) == folded)
+                || similar(&instance.text, names).is_some()
+        };
+        if instance.form != NameForm::Quoted
+            || globals.input.partial
+            || NAMED_BY_THE_PORTAL.iter().any(|begin| folded.starts_with(begin))
+            || !self.is_block_of_library(ctx, asked)
+            || defined()
+        {
+            return false;
+        }
+        let (name, block) = (&instance.text, asked.to_ascii_uppercase());
+        let help = format!(
+            "add the source of this data block, or define it: `DATA_BLOCK \"{name}\" {block} BEGIN END_DATA_BLOCK`"
+        );
+        self.program.globals.report.missing_instance(name, &block, base.span, help);
+        true
     }
 
     /// Whether the library has a function block of this name.
