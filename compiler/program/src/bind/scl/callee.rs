@@ -15,7 +15,7 @@ use plcc_syntax::symbols::SymbolTarget;
 
 use super::Rules;
 use super::function::Named;
-use crate::bind::globals::names::code_kind;
+use crate::bind::globals::names::{code_kind, kind_prefix};
 use crate::bind::scl::{SclBinder, SclBlock};
 use crate::bind::trees::SYSTEM_FILE;
 
@@ -48,7 +48,7 @@ impl SclBinder<'_, '_> {
             NodeKind::Name(name) => self.named_callee(ctx, node, name),
             NodeKind::Absolute(OperandKind::Block(name)) => {
                 let (prefix, number) = self.program.globals.block_number(name)?;
-                self.block_callee(prefix, number, node.span)
+                self.block_callee(ctx, prefix, number, node.span)
             }
             NodeKind::Member { base, name } => self.member_callee(ctx, node, base, name),
             NodeKind::Index { .. } => self.variable_callee(ctx, node),
@@ -69,7 +69,7 @@ impl SclBinder<'_, '_> {
         }
         if let Some(block) = block_of_name(name) {
             let (prefix, number) = self.program.globals.block_number(&block)?;
-            return self.block_callee(prefix, number, node.span);
+            return self.block_callee(ctx, prefix, number, node.span);
         }
         let rules = ctx.scope.rules;
         let of_library = name.span.file == SYSTEM_FILE;
@@ -79,7 +79,7 @@ impl SclBinder<'_, '_> {
             let target = global.target;
             if name.form != NameForm::Bare || self.is_called(target) || !self.is_function(rules, &name.text) {
                 return match target {
-                    SymbolTarget::Block { prefix, number } => self.block_callee(prefix, number as u16, node.span),
+                    SymbolTarget::Block { prefix, number } => self.block_callee(ctx, prefix, number as u16, node.span),
                     SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => self.no_callee(node.span),
                 };
             }
@@ -91,7 +91,7 @@ impl SclBinder<'_, '_> {
         }
         let is_part = !of_library && self.program.globals.is_part(&name.text);
         match self.library_function(rules, &name.text).filter(|_| !is_part) {
-            Some(key) => self.block_callee(crate::bind::globals::names::kind_prefix(key.kind), key.number, node.span),
+            Some(key) => self.block_callee(ctx, kind_prefix(key.kind), key.number, node.span),
             None if local => self.variable_callee(ctx, node),
             None => {
                 self.unknown_function(name);
@@ -149,14 +149,14 @@ impl SclBinder<'_, '_> {
     }
 
     /// A block alone: a function, or a data block that is an instance.
-    fn block_callee(&mut self, prefix: BlockPrefix, number: u16, span: Span) -> Option<Callee> {
+    fn block_callee(&mut self, ctx: &SclBlock, prefix: BlockPrefix, number: u16, span: Span) -> Option<Callee> {
         match prefix {
             BlockPrefix::Fc | BlockPrefix::Sfc => {
                 Some(Callee::Block { key: BlockKey { kind: code_kind(prefix)?, number }, instance: None })
             }
             BlockPrefix::Fb | BlockPrefix::Sfb => {
                 let text = self.program.globals.text(span);
-                let help = self.instance_help(BlockKey { kind: code_kind(prefix)?, number }, &text);
+                let help = self.instance_help(ctx, BlockKey { kind: code_kind(prefix)?, number }, &text);
                 self.program.report(
                     Diagnostic::new(Code::MissingOperand, span, format!("the call of `{text}` names no instance"))
                         .label("a function block keeps its data in an instance")

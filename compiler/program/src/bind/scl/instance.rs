@@ -325,7 +325,7 @@ impl SclBinder<'_, '_> {
     }
 
     /// How to call a function block that the program calls as `text`, without an instance.
-    pub(super) fn instance_help(&self, key: BlockKey, text: &str) -> String {
+    pub(super) fn instance_help(&self, ctx: &SclBlock, key: BlockKey, text: &str) -> String {
         let names = &self.program.globals.names;
         let mut instances: Vec<u16> = self
             .program
@@ -344,9 +344,17 @@ impl SclBinder<'_, '_> {
                 name => format!("call its instance: `\"{name}\"(…)`"),
             },
             Some(number) => format!("call its instance: `{text}.DB{number}(…)`"),
-            None => format!(
-                "declare the static variable `inst{word} : {text};` and call `#inst{word}(…)`, or define `DATA_BLOCK \"{word}_DB\" {text}` and call `\"{word}_DB\"(…)`"
-            ),
+            None => {
+                let data = format!("define `DATA_BLOCK \"{word}_DB\" {text}` and call `\"{word}_DB\"(…)`");
+                match ctx.block.key.kind {
+                    BlockKind::Fb => {
+                        format!(
+                            "declare the static variable `inst{word} : {text};` and call `#inst{word}(…)`, or {data}"
+                        )
+                    }
+                    _ => data,
+                }
+            }
         }
     }
 }
