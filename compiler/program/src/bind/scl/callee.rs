@@ -177,8 +177,9 @@ impl SclBinder<'_, '_> {
                     Some(key) => Some(Callee::Block { key, instance: Some(Instance::Db(number)) }),
                     None => {
                         let defined = db.block.span;
+                        let text = self.program.globals.text(span);
                         self.program.report(
-                            Diagnostic::new(Code::NoBlockFits, span, format!("DB {number} is not an instance"))
+                            Diagnostic::new(Code::NoBlockFits, span, format!("`{text}` is not an instance"))
                                 .label("a shared data block cannot be called")
                                 .also(defined, "the data block")
                                 .help("call the data block of a function block"),

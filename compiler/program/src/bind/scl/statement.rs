@@ -2,6 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
+use plcc_syntax::ast::BlockPrefix;
 use plcc_syntax::scl::ast::{
     BinaryOp as Operator, Expr as Node, ExprKind as NodeKind, Literal, Statement as Tree, StatementKind as TreeKind,
 };
@@ -14,6 +15,7 @@ use super::value::Value;
 use crate::bind::scl::message::DEPTH_MAX;
 use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::constant::Constant;
+use plcc_binding::fold;
 use plcc_model::scl::{Complex, Expr, ExprKind, Statement, StatementKind};
 use plcc_model::types::DataType;
 use plcc_model::{self, StlStatementKind};
@@ -216,14 +218,29 @@ impl SclBinder<'_, '_> {
             }
             _ => {
                 let text = self.program.globals.text(node.span);
-                self.refuse(
-                    Code::Syntax,
-                    node.span,
-                    &format!("`{text}` alone is not a statement"),
-                    "its value is not used",
-                    "assign it, or call the block with parentheses: `name();`",
-                );
+                let help = match self.may_be_called(ctx, node) {
+                    true => format!("to call it write `{text}( … );`"),
+                    false => "assign it, or call the block with parentheses: `name();`".to_owned(),
+                };
+                let title = format!("`{text}` alone is not a statement");
+                self.refuse(Code::Syntax, node.span, &title, "its value is not used", &help);
                 None
+            }
+        }
+    }
+
+    /// Whether the node names a function, or an instance of a function block.
+    fn may_be_called(&self, ctx: &SclBlock, node: &Node) -> bool {
+        match self.quiet_block(ctx, node) {
+            Some((BlockPrefix::Fc | BlockPrefix::Sfc, _)) => true,
+            Some((BlockPrefix::Db, number)) => {
+                self.program.data.blocks.get(&number).is_some_and(|db| db.block.instance_of.is_some())
+            }
+            Some(_) => false,
+            None => {
+                let NodeKind::Name(name) = &node.kind else { return false };
+                let local = ctx.block.bound.locals.get(&fold(&name.text)).map(|local| &local.ty);
+                matches!(local, Some(DataType::Struct(structure)) if structure.instance_of.is_some())
             }
         }
     }
