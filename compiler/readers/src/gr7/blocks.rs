@@ -121,14 +121,16 @@ fn complete(
             Part::Step(mut step, number) => {
                 step.number = number.unwrap_or_default();
                 if step.number == 0 {
-                    numbers.steps.push((chart.steps.len(), step.name.span, number.is_none()));
+                    let told = number.is_none() && !step.name.text.is_empty();
+                    numbers.steps.push((chart.steps.len(), step.name.span, told));
                 }
                 chart.steps.push(step);
             }
             Part::Transition(mut transition, number) => {
                 transition.number = number.unwrap_or_default();
                 if transition.number == 0 {
-                    numbers.transitions.push((chart.transitions.len(), transition.name.span, number.is_none()));
+                    let told = number.is_none() && !transition.name.text.is_empty();
+                    numbers.transitions.push((chart.transitions.len(), transition.name.span, told));
                 }
                 chart.transitions.push(transition);
             }

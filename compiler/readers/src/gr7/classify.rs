@@ -105,8 +105,7 @@ impl<'a> Classifier<'a, '_> {
     fn sequence(&mut self) {
         self.at += 1;
         while let Some(token) = self.peek() {
-            let number = token.kind == RawKind::Pragma && pragma::tag(self.slice(token)) == Some(Tag::Number);
-            if (token.first_on_line || self.keyword_at(self.at).is_some()) && !number {
+            if (token.first_on_line || self.keyword_at(self.at).is_some()) && !self.is_number(token) {
                 return;
             }
             self.at += 1;
@@ -244,20 +243,23 @@ impl<'a> Classifier<'a, '_> {
     /// Name, number and colon.
     fn head(&mut self, opening: RawToken, what: &str) {
         match self.peek() {
-            Some(token) if is_name(token.kind) && !self.begins_part(self.at) => self.defined_name(token, what),
+            Some(token) if is_name(token.kind) && !self.begins_part(self.at) && !self.begins_clause(token) => {
+                self.defined_name(token, what);
+            }
             _ => {
                 let word = self.slice(opening);
+                let number = self.peek().filter(|next| self.is_number(*next));
+                let number = number.map_or("(*$_NUM …*)", |next| self.slice(next));
                 self.report(
                     Diagnostic::new(Code::Syntax, self.span(opening), format!("no name of a {what} follows `{word}`"))
                         .label("the name is missing")
-                        .help(format!("write `{word} Name (*$_NUM 1*)`")),
+                        .help(format!("write `{word} Name {number}`")),
                 );
                 self.push_here(Tok::Word(""));
             }
         }
         if let Some(token) = self.peek()
-            && token.kind == RawKind::Pragma
-            && pragma::tag(self.slice(token)) == Some(Tag::Number)
+            && self.is_number(token)
         {
             let body = pragma::body(self.slice(token)).trim();
             match body.parse() {
@@ -515,6 +517,16 @@ impl<'a> Classifier<'a, '_> {
     /// Whether a part begins at `index`.
     fn begins_part(&self, index: usize) -> bool {
         self.raw[index].first_on_line && self.keyword_at(index).is_some()
+    }
+
+    /// Whether the token is the number of a part, `(*$_NUM 1*)`.
+    fn is_number(&self, token: RawToken) -> bool {
+        token.kind == RawKind::Pragma && pragma::tag(self.slice(token)) == Some(Tag::Number)
+    }
+
+    /// Whether `FROM` or `TO` begins a line, which is no name.
+    fn begins_clause(&self, token: RawToken) -> bool {
+        token.first_on_line && (self.is_word(self.at, "FROM") || self.is_word(self.at, "TO"))
     }
 
     /// Pushes a token of no width after what has been read; before the first token of the chart if nothing has.
