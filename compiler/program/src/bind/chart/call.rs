@@ -11,6 +11,7 @@ use plcc_syntax::scl::ast::{
 };
 
 use crate::bind::chart::ChartBinder;
+use crate::bind::globals::names::code_kind;
 use crate::bind::scl::SclBlock;
 use crate::bind::scl::call::is_result;
 use crate::bind::scl::callee::Callee;
@@ -72,7 +73,15 @@ impl ChartBinder<'_, '_> {
 
     /// The called block, in the form of SCL: `FB1.DB1`, or the instance alone.
     fn chart_callee(&mut self, ctx: &mut SclBlock, call: &Call) -> Option<Node> {
-        let Some(instance) = &call.instance else { return Some(call.block.clone()) };
+        let Some(instance) = &call.instance else {
+            if let Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) =
+                self.scl().quiet_block(ctx, &call.block)
+            {
+                self.call_without_instance(call, prefix, number);
+                return None;
+            }
+            return Some(call.block.clone());
+        };
         match self.scl().quiet_block(ctx, &call.block) {
             Some((BlockPrefix::Fb | BlockPrefix::Sfb, _)) => Some(match data_block(instance) {
                 Some(name) => {
@@ -103,6 +112,24 @@ impl ChartBinder<'_, '_> {
                 Some(instance.clone())
             }
         }
+    }
+
+    /// Reports `CALL FB2 () (N)`.
+    fn call_without_instance(&mut self, call: &Call, prefix: BlockPrefix, number: u16) {
+        let key = code_kind(prefix).map(|kind| BlockKey { kind, number });
+        let instances = self.program.data.blocks.iter().filter(|(_, db)| db.block.instance_of == key);
+        let instance = match instances.map(|(number, _)| *number).min() {
+            Some(number) => match self.program.globals.names.block_name(BlockPrefix::Db, number) {
+                name if name.is_empty() => format!("DB{number}"),
+                name => format!("\"{name}\""),
+            },
+            None => "DB…".to_owned(),
+        };
+        let text = self.program.globals.text(call.block.span);
+        let title = format!("the call of `{text}` names no instance");
+        let help = format!("write it after the block: `CALL {text}, {instance} ( … )`");
+        let label = "a function block keeps its data in an instance";
+        self.scl().refuse(Code::MissingOperand, call.block.span, &title, label, &help);
     }
 
     /// Reports names in the parameters of a call that cannot be checked.

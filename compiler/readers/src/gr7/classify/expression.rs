@@ -204,18 +204,18 @@ impl<'a> Classifier<'a, '_> {
 
     /// Takes a sign of other languages: `||`, `!`, `!=`.
     fn other_sign(&mut self, token: RawToken, slice: &str) -> bool {
-        let (sign, word, tok) = match slice {
-            "|" | "||" => ("||", "OR", Tok::Or),
+        let (word, tok) = match slice {
+            "|" | "||" => ("OR", Tok::Or),
             "!" if self.kind_at(self.at + 1) == Some(RawKind::Equal) => {
                 self.foreign(token, "not equal is `<>`", "write `<>` for `!=`");
                 let after = self.at + 2;
                 self.take_up_to(Tok::Compare(BinaryOp::NotEqual), after);
                 return true;
             }
-            "!" => ("!", "NOT", Tok::Not),
+            "!" => ("NOT", Tok::Not),
             _ => return false,
         };
-        self.foreign(token, &format!("the operator is `{word}`"), &format!("write `{word}` for `{sign}`"));
+        self.foreign(token, &format!("the operator is `{word}`"), &format!("write `{word}` for `{slice}`"));
         self.take(tok);
         true
     }

@@ -311,6 +311,10 @@ impl<'a> Classifier<'a, '_> {
             }
         }
         qualifier::parse(mark)?;
+        // `(N, S)`
+        if qualifier::parse(value).is_some() {
+            return Some(format!("write a row for each of them: `{operand} ({mark})` and `{operand} ({value})`"));
+        }
         let event = if qualifier::needs_event(mark) { "S1 " } else { "" };
         Some(format!("write `{operand}, {} ({event}{mark})`", with_prefix(value)))
     }
