@@ -15,7 +15,7 @@ pub struct Stray {
     pub transition: usize,
     /// Where it goes.
     pub step: usize,
-    /// The transition that opens the paths.
+    /// A transition that opens the paths.
     pub opener: usize,
     /// It goes into the path.
     pub inward: bool,
@@ -50,8 +50,9 @@ pub fn branches(net: &Net) -> Branches {
         return found;
     }
     for opener in 0..net.transitions.len() {
-        if net.transitions[opener].to.len() > 1 {
-            let branch = Branch::new(net, opener);
+        let opens_as = |at: &usize| net.transitions[*at].to == net.transitions[opener].to;
+        if net.transitions[opener].to.len() > 1 && !(0..opener).any(|at| opens_as(&at)) {
+            let branch = Branch::new(net, (opener..net.transitions.len()).filter(opens_as).collect());
             inside = branch.paths.iter().fold(inside, |all, &path| all.with(path));
             branch.judge(&mut found);
         }
@@ -78,7 +79,8 @@ fn sequencers(net: &Net, inside: StepSet, found: &mut Branches) {
 /// A simultaneous branch.
 struct Branch<'n> {
     net: &'n Net,
-    opener: usize,
+    /// The transitions that open its paths.
+    openers: Vec<usize>,
     /// By path: what comes after its first step, ignoring joins and ways out.
     following: Vec<StepSet>,
     /// By path: those of `following` on the way to the join.
@@ -91,12 +93,12 @@ struct Branch<'n> {
 }
 
 impl<'n> Branch<'n> {
-    fn new(net: &'n Net, opener: usize) -> Branch<'n> {
-        let firsts = &net.transitions[opener].to;
+    fn new(net: &'n Net, openers: Vec<usize>) -> Branch<'n> {
+        let firsts = &net.transitions[openers[0]].to;
         let forward = |start: StepSet, stop: StepSet, skip: &[usize]| forward(net, start, stop, skip);
         let none = StepSet::default();
         let following: Vec<StepSet> =
-            firsts.iter().map(|&step| forward(StepSet::of(&[step]), none, &[opener])).collect();
+            firsts.iter().map(|&step| forward(StepSet::of(&[step]), none, &openers)).collect();
         let joins: Vec<usize> = (0..net.transitions.len())
             .filter(|&at| {
                 let from = StepSet::of(&net.transitions[at].from);
@@ -105,17 +107,22 @@ impl<'n> Branch<'n> {
             .collect();
         let ends = joins.iter().fold(none, |all, &join| all.with(StepSet::of(&net.transitions[join].from)));
         let toward: Vec<StepSet> =
-            following.iter().map(|&path| backward(net, ends.common(path), opener).common(path)).collect();
+            following.iter().map(|&path| backward(net, ends.common(path), &openers).common(path)).collect();
         let inner = toward.iter().fold(none, |all, &path| all.with(path));
-        let main = forward(StepSet::of(&net.initial).without(inner), none, &[opener]);
+        let main = forward(StepSet::of(&net.initial).without(inner), none, &openers);
         let after = joins
             .iter()
-            .filter(|&&join| join != opener)
-            .fold(none, |all, &join| all.with(forward(StepSet::of(&net.transitions[join].to), main, &[opener])));
+            .filter(|join| !openers.contains(join))
+            .fold(none, |all, &join| all.with(forward(StepSet::of(&net.transitions[join].to), main, &openers)));
         let outside = main.with(after);
-        let skip: Vec<usize> = joins.iter().copied().chain([opener]).collect();
+        let skip: Vec<usize> = joins.iter().chain(&openers).copied().collect();
         let paths = firsts.iter().map(|&step| forward(StepSet::of(&[step]), outside, &skip).without(outside)).collect();
-        Branch { net, opener, following, toward, outside, paths, joins }
+        Branch { net, openers, following, toward, outside, paths, joins }
+    }
+
+    /// The first step of each path.
+    fn firsts(&self) -> &[usize] {
+        &self.net.transitions[self.openers[0]].to
     }
 
     /// Notes the mistakes of the branch, and which of its steps are active together.
@@ -123,8 +130,9 @@ impl<'n> Branch<'n> {
         let strays = self.strays();
         let good = strays.is_empty() && self.paths_are_apart() && self.joins_are_whole() && self.entries_are_own();
         found.strays.extend(strays);
-        if !good {
-            found.loose.push(self.opener);
+        // Two openers may switch one after the other.
+        if !good || self.openers.len() > 1 {
+            found.loose.push(self.openers[0]);
         }
         for (at, path) in self.paths.iter().enumerate() {
             let others = self.paths.iter().enumerate().filter(|&(other, _)| other != at);
@@ -149,28 +157,32 @@ impl<'n> Branch<'n> {
         })
     }
 
-    /// No transition but the opener goes into a path from elsewhere.
+    /// No transition but the openers goes into a path from elsewhere.
     fn entries_are_own(&self) -> bool {
         self.paths.iter().all(|&path| {
             let mut entering = path.iter().flat_map(|step| &self.net.entering[step]);
-            entering.all(|&at| at == self.opener || StepSet::of(&self.net.transitions[at].from).within(path))
+            entering.all(|at| self.openers.contains(at) || StepSet::of(&self.net.transitions[*at].from).within(path))
         })
     }
 
     /// Transitions that leave a path other than through the join, or enter it other than through the opener.
     fn strays(&self) -> Vec<Stray> {
-        let mut strays: Vec<Stray> = Vec::new();
+        let mut strays = self.jumps_to_first();
+        // Their paths are outside, too: what is found in them follows from the jump.
+        let firsts = self.firsts().iter();
+        let jumped: Vec<bool> = firsts.map(|&first| strays.iter().any(|stray| stray.step == first)).collect();
         for (at, arcs) in self.net.transitions.iter().enumerate() {
             let from = StepSet::of(&arcs.from);
-            let beside = at != self.opener && !self.joins.contains(&at);
+            let beside = !self.openers.contains(&at) && !self.joins.contains(&at);
             // Once paths have met, all that comes after follows from that.
             let mut of = (0..self.paths.len()).filter(|&path| from.within(self.path_of(path)));
             let (Some(path), None) = (of.next(), of.next()) else { continue };
-            for &step in arcs.to.iter().filter(|_| beside) {
+            let follows = |step: usize| jumped[path] && self.toward[path].has(step);
+            for &step in arcs.to.iter().filter(|&&step| beside && !follows(step)) {
                 if self.outside.has(step) {
                     strays.push(self.stray(at, step, path));
                 } else if arcs.jump && self.is_of_another(step, path) {
-                    strays.push(Stray { transition: at, step, opener: self.opener, inward: false });
+                    strays.push(Stray { transition: at, step, opener: self.openers[0], inward: false });
                 }
             }
         }
@@ -179,9 +191,27 @@ impl<'n> Branch<'n> {
         strays
     }
 
+    /// Jumps from elsewhere to the first step of a path that leads to the join alone, which then waits for the other paths.
+    fn jumps_to_first(&self) -> Vec<Stray> {
+        let inner = self.following.iter().fold(StepSet::default(), |all, &path| all.with(path));
+        let mut strays = Vec::new();
+        for (path, &first) in self.firsts().iter().enumerate() {
+            if self.net.initial.contains(&first) || !self.following[path].within(self.toward[path]) {
+                continue;
+            }
+            let jumps = self.net.entering[first].iter().copied().filter(|&at| {
+                let arcs = &self.net.transitions[at];
+                arcs.jump && arcs.to.len() == 1 && !StepSet::of(&arcs.from).meets(inner)
+            });
+            let opener = self.openers[0];
+            strays.extend(jumps.map(|transition| Stray { transition, step: first, opener, inward: true }));
+        }
+        strays
+    }
+
     /// Steps of a path; its first step even if it is entered from elsewhere.
     fn path_of(&self, path: usize) -> StepSet {
-        let first = self.net.transitions[self.opener].to[path];
+        let first = self.firsts()[path];
         self.paths[path].with(StepSet::of(&[first]))
     }
 
@@ -194,13 +224,13 @@ impl<'n> Branch<'n> {
     fn stray(&self, transition: usize, step: usize, path: usize) -> Stray {
         let is_outer = |&&at: &&usize| {
             let from = StepSet::of(&self.net.transitions[at].from);
-            at != self.opener && at != transition && !from.within(self.paths[path])
+            !self.openers.contains(&at) && at != transition && !from.within(self.paths[path])
         };
         let inner = self.toward[path].has(step) && self.following[path].has(step);
         let outer = self.net.entering[step].iter().filter(|_| inner && !self.net.transitions[transition].jump);
         match outer.filter(is_outer).copied().next() {
-            Some(outer) => Stray { transition: outer, step, opener: self.opener, inward: true },
-            None => Stray { transition, step, opener: self.opener, inward: false },
+            Some(outer) => Stray { transition: outer, step, opener: self.openers[0], inward: true },
+            None => Stray { transition, step, opener: self.openers[0], inward: false },
         }
     }
 }
@@ -228,12 +258,12 @@ fn forward(net: &Net, start: StepSet, stop: StepSet, skip: &[usize]) -> StepSet 
     found
 }
 
-/// Steps on the way to those of `ends`, not through the transition `skip`.
-fn backward(net: &Net, ends: StepSet, skip: usize) -> StepSet {
+/// Steps on the way to those of `ends`, not through the transitions `skip`.
+fn backward(net: &Net, ends: StepSet, skip: &[usize]) -> StepSet {
     let mut found = ends;
     let mut open: Vec<usize> = ends.iter().collect();
     while let Some(step) = open.pop() {
-        for &at in net.entering[step].iter().filter(|&&at| at != skip) {
+        for &at in net.entering[step].iter().filter(|at| !skip.contains(at)) {
             for &before in &net.transitions[at].from {
                 if !found.has(before) {
                     found.insert(before);
@@ -318,6 +348,23 @@ mod tests {
         assert_eq!(strays(6, &[0], before), [(5, 3, true)]);
         let after: &[Way] = &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[0]), (&[5], &[3])];
         assert_eq!(strays(6, &[0], after), [(5, 3, true)]);
+    }
+
+    #[test]
+    fn jumps_to_the_first_step_of_a_path() {
+        let jumps = |ways: &[Way]| {
+            let mut net = net(6, &[0], ways);
+            net.transitions[4].jump = true;
+            let strays = branches(&net).strays;
+            strays.iter().map(|stray| (stray.transition, stray.step, stray.inward)).collect::<Vec<_>>()
+        };
+        let after: &[Way] = &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[1])];
+        assert_eq!(jumps(after), [(4, 1, true)]);
+        let all: &[Way] = &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[5], &[1, 2])];
+        assert!(jumps(all).is_empty());
+        let inside: &[Way] =
+            &[(&[0], &[1, 2]), (&[1], &[3]), (&[2], &[4]), (&[3, 4], &[5]), (&[3], &[1]), (&[5], &[0])];
+        assert!(jumps(inside).is_empty());
     }
 
     #[test]
