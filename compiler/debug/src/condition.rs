@@ -1,10 +1,12 @@
 //! Conditions of breakpoints: the expressions of a plant, over names of PLC values, with the operators of PLC languages as well.
 //!
 //! `MW10 > 5`, `"Motor on" AND #count = 3`, `abs(Level - 2.5) < 0.1`, `DB1.Time >= T#5s`. A BOOL is 0 or 1, a duration is in seconds.
+//! AND, OR and NOT take bits and comparisons: what they would do with the bits of a number is not guessed.
 
 use plcc_abi::image::AssertType;
 use plcc_runtime::assertion;
 use plcc_runtime::plant::Expression;
+use plcc_runtime::signal::number_text;
 use plcc_runtime::typed::{self, ValueType};
 
 /// An expression that was parsed.
@@ -13,6 +15,8 @@ pub struct Condition {
     parts: Vec<Part>,
     /// Names of values, by their numbers in the expressions.
     names: Vec<String>,
+    /// Numbers of names that AND, OR or NOT combine as they are.
+    combined: Vec<usize>,
     pub text: String,
 }
 
@@ -25,24 +29,36 @@ struct Part {
 impl Condition {
     /// `Err`: the error as a sentence.
     pub fn parse(text: &str) -> Result<Condition, String> {
-        let mut names: Vec<String> = Vec::new();
-        let mut parts = vec![(String::new(), Vec::new())];
-        let (mut depth, mut joins_only_by_and) = (0usize, true);
+        let mut tokens = Vec::new();
         let mut rest = text.trim();
         while let Some(first) = rest.chars().next() {
             let (token, after) = token(rest, first)?;
+            tokens.push(token);
+            rest = after.trim_start();
+        }
+        let mut names: Vec<String> = Vec::new();
+        let mut combined = Vec::new();
+        let mut parts = vec![(String::new(), Vec::new())];
+        let (mut depth, mut joins_only_by_and) = (0usize, true);
+        for (at, token) in tokens.iter().enumerate() {
             let last = parts.last_mut().expect("there is one from the beginning");
             last.0.push(' ');
             match token {
                 Token::Name(name) => {
                     let number = names.iter().position(|own| own == name).unwrap_or_else(|| {
-                        names.push(name.to_string());
+                        names.push((*name).to_string());
                         names.len() - 1
                     });
                     last.0.push_str(&format!("n{number}"));
                     last.1.push(number);
+                    if is_combined(&tokens, at) {
+                        combined.push(number);
+                    }
                 }
                 Token::Text(text) => {
+                    if text.parse::<f64>().is_ok_and(|number| !is_bit(number)) && is_combined(&tokens, at) {
+                        return Err(format!("{COMBINES}, and mask no bits; name one, such as `#word.%X2`"));
+                    }
                     match text.as_str() {
                         "(" => depth += 1,
                         ")" => depth = depth.saturating_sub(1),
@@ -55,7 +71,6 @@ impl Condition {
                     }
                 }
             }
-            rest = after.trim_start();
         }
         if !joins_only_by_and {
             let whole = parts.iter().map(|(plain, _)| plain.as_str()).collect::<Vec<_>>().join(" && ");
@@ -68,7 +83,7 @@ impl Condition {
             Ok(Part { expression, names })
         };
         let parts = parts.into_iter().map(parse).collect::<Result<_, String>>()?;
-        Ok(Condition { parts, names, text: text.to_string() })
+        Ok(Condition { parts, names, combined, text: text.to_string() })
     }
 
     /// Its value with `of` as the values of names. `Err`: the error.
@@ -78,6 +93,12 @@ impl Condition {
         for part in &self.parts {
             for &number in &part.names {
                 values[number] = of(&self.names[number])?;
+                if self.combined.contains(&number) && !is_bit(values[number]) {
+                    let (name, value) = (&self.names[number], number_text(values[number]));
+                    return Err(format!(
+                        "{COMBINES}, and `{name}` is {value}; write `{name} <> 0`, or name a bit of it"
+                    ));
+                }
             }
             value = part
                 .expression
@@ -93,6 +114,28 @@ impl Condition {
     pub fn is_name(&self) -> bool {
         matches!(&self.names[..], [name] if name.trim() == self.text.trim())
     }
+}
+
+/// Whether AND, OR or NOT combines this operand as it is, and not what an operator or a function makes of it.
+fn is_combined(tokens: &[Token<'_>], at: usize) -> bool {
+    let text = |token: Option<&Token<'_>>, edge: &str| match token {
+        Some(Token::Text(text)) => text.clone(),
+        Some(Token::Name(_)) => String::new(),
+        None => edge.to_string(),
+    };
+    let before = text(at.checked_sub(1).and_then(|at| tokens.get(at)), "(");
+    let after = text(tokens.get(at + 1), ")");
+    let joins = |text: &str| matches!(text, "&&" | "||");
+    let begins = joins(&before) || matches!(&*before, "(" | "," | "!");
+    let ends = joins(&after) || matches!(&*after, ")" | ",");
+    begins && ends && (joins(&before) || joins(&after) || before == "!")
+}
+
+/// What the operators of conditions are for.
+const COMBINES: &str = "AND, OR and NOT combine bits and comparisons here";
+
+fn is_bit(number: f64) -> bool {
+    number == 0.0 || number == 1.0
 }
 
 /// The number of a name in an expression.
@@ -158,6 +201,7 @@ fn word<'a>(name: &'a str, after: &str) -> Result<Token<'a>, String> {
         "OR" => return text("||"),
         "NOT" => return text("!"),
         "MOD" => return text("%"),
+        "XOR" => return Err("a condition has AND, OR and NOT, not XOR; write `a <> b` for two bits".to_string()),
         "TRUE" => return text("1"),
         "FALSE" => return text("0"),
         _ => {}
@@ -278,6 +322,8 @@ mod tests {
             ("abs(0 - MW10) == 7.0e0", 1.0),
             ("max(MW10, 1e+2)", 100.0),
             ("TRUE", 1.0),
+            ("\"Motor on\" AND TRUE OR MW10 + 1 = 0", 1.0),
+            ("NOT (MW10 = 7 AND \"Motor on\")", 0.0),
             ("9007199254740992 = 16#20000000000000", 1.0),
         ] {
             assert_eq!(value(text), Ok(expected), "{text}");
@@ -297,6 +343,12 @@ mod tests {
             ("1x", "not a number"),
             ("MW10 = 9007199254740993", "more digits than"),
             ("MW10 = 16#FFFFFFFFFFFFFFFF", "more digits than"),
+            ("MW10 AND 16#4", "mask no bits"),
+            ("(MW10 AND 16#4) <> 0", "mask no bits"),
+            ("MW10 AND MW10 = 7", "bits and comparisons here, and `MW10` is 7"),
+            ("NOT MW10", "write `MW10 <> 0`"),
+            ("MW10 > 5 & MW10", "`MW10` is 7"),
+            ("\"Motor on\" XOR MW10 = 7", "write `a <> b`"),
             (&"(".repeat(3000), "not a condition"),
             ("é§", "not a condition"),
         ] {

@@ -235,8 +235,10 @@ impl Debugger {
         match here.find(text) {
             Ok(found) => Ok(variables::text(here, &found)),
             Err(error) => {
-                // What compares is not a name with a slip.
-                let compares = text.contains(['=', '<', '>']);
+                // What compares or combines is not a name with a slip.
+                let words = || text.split_whitespace().map(str::to_ascii_uppercase);
+                let compares = text.contains(['=', '<', '>', '&'])
+                    || words().any(|word| matches!(&*word, "AND" | "OR" | "XOR" | "NOT"));
                 let condition = crate::condition::Condition::parse(text)
                     .map_err(|wrong| if compares { wrong } else { error.clone() })?;
                 if condition.is_name() {
