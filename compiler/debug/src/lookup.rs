@@ -268,7 +268,7 @@ impl<'a> Here<'a> {
         }
     }
 
-    /// As a number, for conditions. `Err`: the error as a sentence.
+    /// As a number, for conditions, which compare a REAL with a number as it is written. `Err`: the error as a sentence.
     pub fn number(&self, text: &str) -> Result<f64, String> {
         match self.find(text)? {
             Found::Register(register) => Ok(self.frame.map_or(0.0, |frame| register.number(&frame.probed).into())),
@@ -276,7 +276,7 @@ impl<'a> Here<'a> {
             found => match self.value(&found) {
                 Some(Value::Bits(bits, _)) => whole(text, bits.into()),
                 Some(Value::Whole(number)) => whole(text, number),
-                value => value.and_then(|value| value.number()).ok_or_else(|| format!("`{text}` is not a number")),
+                value => value.and_then(|value| value.written_number()).ok_or_else(|| format!("`{text}` is not a number")),
             },
         }
     }

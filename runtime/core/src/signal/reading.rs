@@ -100,6 +100,14 @@ impl Value {
         }
     }
 
+    /// As [`Value::number`], of a REAL as a user would write it: 0.1, not 0.10000000149011612.
+    pub fn written_number(&self) -> Option<f64> {
+        match self {
+            Value::Number(number) if f64::from(*number as f32) == *number => Some(shortest(*number as f32)),
+            Value::Number(_) | Value::Bits(..) | Value::Whole(_) | Value::Typed(..) => self.number(),
+        }
+    }
+
     /// As JSON: a number, true or false where it is one, else a text.
     pub fn json(&self) -> serde_json::Value {
         match self {
