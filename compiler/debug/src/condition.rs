@@ -186,7 +186,7 @@ fn token(rest: &str, first: char) -> Result<(Token<'_>, &str), String> {
         return Ok((Token::Text(literal(number)?), after));
     }
     if first.is_alphabetic() || matches!(first, '_' | '#' | '"' | '%') {
-        let (name, after) = name(rest)?;
+        let (name, after) = with_type(rest, name(rest)?);
         return Ok((word(name, after)?, after));
     }
     let (own, after) = rest.split_at(first.len_utf8());
@@ -239,6 +239,18 @@ fn name(text: &str) -> Result<(&str, &str), String> {
         end = at + 1;
     }
     Ok(text.split_at(end))
+}
+
+/// A name at the beginning of a text, and what follows, with the type as which it is read: `MD20 as REAL`.
+fn with_type<'a>(text: &'a str, (name, after): (&'a str, &'a str)) -> (&'a str, &'a str) {
+    let Some((word, rest)) = after.trim_start().split_once(' ') else { return (name, after) };
+    let rest = rest.trim_start();
+    let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
+    let (ty, after_type) = rest.split_at(end);
+    match word.eq_ignore_ascii_case("as") && typed::from_word(ty).is_ok() {
+        true => text.split_at(text.len() - after_type.len()),
+        false => (name, after),
+    }
 }
 
 /// Whether an operand begins with this text.
@@ -301,6 +313,7 @@ mod tests {
     fn value(text: &str) -> Result<f64, String> {
         Condition::parse(text)?.value(&|name| match name {
             "MW10" => Ok(7.0),
+            "MD20 as REAL" => Ok(2.5),
             "\"Motor on\"" | "#x.y[1, 2]" => Ok(1.0),
             "DB1.t" | "#r^.x" | "r^" => Ok(5.0),
             _ => Err(format!("no {name}")),
@@ -323,6 +336,7 @@ mod tests {
             ("max(MW10, 1e+2)", 100.0),
             ("TRUE", 1.0),
             ("\"Motor on\" AND TRUE OR MW10 + 1 = 0", 1.0),
+            ("MD20 as REAL > 2 AND MW10=7", 1.0),
             ("NOT (MW10 = 7 AND \"Motor on\")", 0.0),
             ("9007199254740992 = 16#20000000000000", 1.0),
         ] {
@@ -341,6 +355,7 @@ mod tests {
             ("Nowhere > 1", "no Nowhere"),
             ("T#x", "not a value"),
             ("1x", "not a number"),
+            ("MW10 as X > 1", "not a condition"),
             ("MW10 = 9007199254740993", "more digits than"),
             ("MW10 = 16#FFFFFFFFFFFFFFFF", "more digits than"),
             ("MW10 AND 16#4", "mask no bits"),
