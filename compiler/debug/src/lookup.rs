@@ -276,7 +276,9 @@ impl<'a> Here<'a> {
             found => match self.value(&found) {
                 Some(Value::Bits(bits, _)) => whole(text, bits.into()),
                 Some(Value::Whole(number)) => whole(text, number),
-                value => value.and_then(|value| value.written_number()).ok_or_else(|| format!("`{text}` is not a number")),
+                value => {
+                    value.and_then(|value| value.written_number()).ok_or_else(|| format!("`{text}` is not a number"))
+                }
             },
         }
     }
