@@ -5,7 +5,7 @@ use plcc_model::layout;
 use plcc_model::types::DataType;
 use plcc_runtime::address::Place;
 use plcc_runtime::clock::NS_PER_MS;
-use plcc_runtime::names;
+use plcc_runtime::names::{self, path::written};
 use plcc_runtime::s7200::Part;
 use plcc_runtime::signal::Source;
 use serde_json::{Value, json};
@@ -108,7 +108,7 @@ impl Group {
             used.map(|(name, named)| value_row(name.clone(), name, Source::of(named))).collect()
         };
         let local = |list: Vec<(String, Found)>| -> Vec<Row> {
-            list.into_iter().map(|(name, found)| row(name.clone(), format!("#{name}"), found)).collect()
+            list.into_iter().map(|(name, found)| row(name.clone(), format!("#{}", written(&name)), found)).collect()
         };
         let rows: Vec<Row> = match self {
             Group::Cpu => cpu_rows(here),
@@ -241,7 +241,7 @@ fn db_rows(here: &Here<'_>, index: usize) -> Vec<Row> {
     members
         .map(|member| {
             let data = Data { offset: address + member.byte, bit: member.bit, ty: member.ty.clone() };
-            row(member.name.clone(), format!("DB{}.{}", db.number, member.name), Found::Data(data))
+            row(member.name.clone(), format!("DB{}.{}", db.number, written(&member.name)), Found::Data(data))
         })
         .collect()
 }
@@ -254,7 +254,7 @@ fn part_rows(name: &str, data: &Data, start: usize, count: usize) -> Vec<Row> {
                 .map(|member| {
                     let offset = data.offset + member.byte;
                     let part = Data { offset, bit: member.bit, ty: member.ty.clone() };
-                    row(member.name.clone(), format!("{name}.{}", member.name), Found::Data(part))
+                    row(member.name.clone(), format!("{name}.{}", written(&member.name)), Found::Data(part))
                 })
                 .collect()
         }

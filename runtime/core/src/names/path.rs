@@ -70,7 +70,7 @@ fn slice(text: &str) -> Option<Part> {
 }
 
 /// A part of a name as a user writes it: in quotes if it has other characters than letters, digits and `_`.
-pub(super) fn written(name: &str) -> String {
+pub fn written(name: &str) -> String {
     let is_plain = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
     if is_plain { name.to_string() } else { format!("\"{name}\"") }
 }
