@@ -340,6 +340,18 @@ function flow(logic) {
   }
   return known;
 }
+// Puts a value into a drawing: the room that was left for it is that of its first text, and below a name that of the name. A longer
+// value is drawn narrower, since it would lose its first digits at the edge of the drawing.
+function tell(el, text) {
+  const width = (of, cells = of.textContent.length) => Math.max(cells, 1) * 0.61 * of.getAttribute("font-size");
+  const name = el.previousElementSibling;
+  el.room ??= Math.max(width(el), name?.matches("text.o") && name.dataset.k === el.dataset.k ? width(name) : 0);
+  el.textContent = text;
+  if (width(el) > el.room) {
+    el.setAttribute("textLength", el.room);
+    el.setAttribute("lengthAdjust", "spacingAndGlyphs");
+  } else el.removeAttribute("textLength");
+}
 function paint(div, s) {
   if (!s.svg) return;
   const known = s.logic ? flow(s.logic) : new Map();
@@ -347,7 +359,7 @@ function paint(div, s) {
     const v = known.get(+w.dataset.n);
     w.setAttribute("class", "w " + (v === true ? "on" : v === false ? "off" : "un"));
   }
-  for (const t of div.querySelectorAll("text.v")) t.textContent = shown.get(t.dataset.k) ?? "";
+  for (const t of div.querySelectorAll("text.v")) tell(t, shown.get(t.dataset.k) ?? "");
   for (const t of div.querySelectorAll("text.o")) t.style.fill = bit(shown.get(t.dataset.k)) === true ? "var(--on,#1a9a2f)" : "";
   for (const r of div.querySelectorAll("rect[data-s]")) {
     const faulty = [r.dataset.la, r.dataset.va].some((key) => key !== undefined && bit(shown.get(key)) === true);
@@ -527,7 +539,7 @@ function look(d) {
     const v = operandAt(t.place);
     if (t.last === v) continue;
     t.last = v;
-    if (t.isValue) t.el.textContent = v === undefined || v === null ? "" : v === true ? "TRUE" : v === false ? "FALSE" : v;
+    if (t.isValue) tell(t.el, v === undefined || v === null ? "" : v === true ? "TRUE" : v === false ? "FALSE" : String(v));
     else t.el.style.fill = v === true ? "var(--on,#1a9a2f)" : "";
   }
   lightSteps(d);

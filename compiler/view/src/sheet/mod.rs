@@ -179,15 +179,32 @@ impl Sheet {
 impl Sheet {
     /// Leaves room for values at the pins of boxes and comparisons.
     pub fn leave_room(&mut self) {
-        let boxes = self.parts.iter_mut().filter(|part| matches!(part.look, Look::Box { .. } | Look::Compare { .. }));
-        for pin in boxes.flat_map(|part| &mut part.pins) {
-            if let Link::Operand(label) = &mut pin.link
-                && !label.key.is_empty()
-            {
-                label.value = Some(String::new());
+        for part in &mut self.parts {
+            let ty = match &part.look {
+                Look::Box { detail, .. } => detail,
+                Look::Compare { ty, .. } => ty,
+                Look::Contact { .. } | Look::Coil { .. } | Look::Nothing => continue,
+            };
+            let room = " ".repeat(characters(ty));
+            for pin in &mut part.pins {
+                if let Link::Operand(label) = &mut pin.link
+                    && !label.key.is_empty()
+                {
+                    label.value = Some(room.clone());
+                }
             }
         }
     }
+}
+
+/// Characters of most values of the data types that a box names; 0: it names none whose values are long.
+fn characters(types: &str) -> usize {
+    let of = |ty: &str| match ty.to_ascii_uppercase().as_str() {
+        "LREAL" | "LINT" | "ULINT" | "LWORD" | "LTIME" | "LTOD" | "LDT" | "DTL" => 20,
+        "D" | "R" | "DINT" | "UDINT" | "DWORD" | "REAL" | "TIME" => 12,
+        _ => 0,
+    };
+    types.split(|c: char| !c.is_ascii_alphanumeric()).map(of).max().unwrap_or(0)
 }
 
 impl Part {
