@@ -45,8 +45,13 @@ async function look(tab) {
     return value.textContent === "-2147483648" && value.getBBox().width < value.room + 1;
   })()`);
 
+  // A data block has none.
+  await open(tab, "DB1");
+  await until(tab, "no status of a data block", `document.querySelector("#status-bar").hidden`);
+
   // STL: ACCU1 and RLO beside the lines; MW10 is 0 again at the end.
   await open(tab, "FC2");
+  await until(tab, "the status of a block again", `!document.querySelector("#status-bar").hidden`);
   await until(tab, "ACCU1 after the first statement", `/^ 0 .*00001234 00000000/.test(${beside("L W#16#1234")} ?? "")`);
   await until(tab, "the RLO of the input", `/^ 1   1 /.test(${beside("A I 0.0")} ?? "")`);
 

@@ -13,7 +13,8 @@ const status = {
     const isNew = frame && frame !== this.frame;
     this.frame = frame;
     if (isNew) program.mark();
-    $("status-bar").hidden = !live.watchable;
+    // A data block and a list have no status.
+    $("status-bar").hidden = !live.watchable || !frame?.block();
     const block = live.watchable && $("status-on").checked ? frame?.block() ?? null : null;
     if (block === this.block || !frame) return;
     this.block = block;
