@@ -280,11 +280,15 @@ function axis(canvas, from, to, zero) {
   }
 }
 
-// The range of a curve: that of a bit is from 0 to 1.
+// A bound of a curve, without an exponent where six digits tell it.
+const bound = (number) => String(+number.toPrecision(6));
+
+// The range of a curve: that of a bit is from 0 to 1. Around a number that stays the same there is room, also if it is large.
 function range(numbers, isBit) {
   let [low, high] = isBit ? [0, 1] : [Infinity, -Infinity];
   for (const number of numbers) { low = Math.min(low, number); high = Math.max(high, number); }
-  return low === high ? [low - 0.5, high + 0.5] : [low, high];
+  const room = low === high ? Math.max(0.5, Math.abs(low) / 1e6) : 0;
+  return [low - room, high + room];
 }
 
 // View: curves of the watch table
@@ -337,8 +341,8 @@ const curves = {
       pen.font = `${11 * devicePixelRatio}px system-ui`;
       if (typeof live.shown.get(name)?.value === "number") {
         pen.fillStyle = dark ? "#9aa5ae" : "#5d6872";
-        pen.fillText(high.toPrecision(4), 4, 12 * devicePixelRatio);
-        pen.fillText(low.toPrecision(4), 4, height - 3);
+        pen.fillText(bound(high), 4, 12 * devicePixelRatio);
+        pen.fillText(bound(low), 4, height - 3);
       }
     }
   },

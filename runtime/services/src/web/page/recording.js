@@ -79,8 +79,8 @@ const recording = {
       if (!isBit) {
         pen.fillStyle = dark ? "#9aa5ae" : "#5d6872";
         pen.font = `${11 * devicePixelRatio}px system-ui`;
-        pen.fillText(String(+high.toPrecision(6)), 4, 12 * devicePixelRatio);
-        pen.fillText(String(+low.toPrecision(6)), 4, height - 3);
+        pen.fillText(bound(high), 4, 12 * devicePixelRatio);
+        pen.fillText(bound(low), 4, height - 3);
       }
       if (event !== undefined) {
         pen.strokeStyle = "#c25e00";
