@@ -291,6 +291,20 @@ function range(numbers, isBit) {
   return [low - room, high + room];
 }
 
+// A value as a curve has it: a bit, a number, or a duration in seconds; null: it is none of these.
+const SECONDS = { d: 86400, h: 3600, m: 60, s: 1, ms: 1e-3, us: 1e-6, ns: 1e-9 };
+const isDuration = (shown) => /^(TIME|LTIME|S5TIME)$/.test(shown?.type) && /^(T|LT|S5T)#/.test(shown.value);
+function plotted(shown) {
+  const value = shown?.value;
+  if (isDuration(shown)) {
+    const parts = [...value.matchAll(/(\d+)(ms|us|ns|[dhms])/g)].map(([, count, unit]) => count * SECONDS[unit]);
+    return parts.reduce((sum, part) => sum + part, 0) * (value.includes("#-") ? -1 : 1);
+  }
+  // What has more than 53 bits comes as a text.
+  if (typeof value === "string" && /^(LWORD|U?LINT)$/.test(shown.type)) return Number(value);
+  return typeof value === "number" || typeof value === "boolean" ? Number(value) : null;
+}
+
 // View: curves of the watch table
 
 const curves = {
@@ -339,10 +353,11 @@ const curves = {
       pen.stroke();
       pen.fillStyle = style.color;
       pen.font = `${11 * devicePixelRatio}px system-ui`;
-      if (typeof live.shown.get(name)?.value === "number") {
+      if (typeof live.shown.get(name)?.value !== "boolean") {
+        const unit = isDuration(live.shown.get(name)) ? " s" : "";
         pen.fillStyle = dark ? "#9aa5ae" : "#5d6872";
-        pen.fillText(bound(high), 4, 12 * devicePixelRatio);
-        pen.fillText(bound(low), 4, height - 3);
+        pen.fillText(bound(high) + unit, 4, 12 * devicePixelRatio);
+        pen.fillText(bound(low) + unit, 4, height - 3);
       }
     }
   },
@@ -358,12 +373,10 @@ $("span").onchange = () => curves.draw();
 function record() {
   const now = Date.now();
   for (const name of table.names()) {
-    const shown = live.shown.get(name);
-    // What has more than 53 bits comes as a text.
-    const value = typeof shown?.value === "string" && /^(LWORD|U?LINT)$/.test(shown.type) ? Number(shown.value) : shown?.value;
-    if (typeof value !== "number" && typeof value !== "boolean") continue;
+    const value = plotted(live.shown.get(name));
+    if (value === null) continue;
     const samples = curves.samples.get(name) ?? [];
-    if (samples.at(-1)?.[1] !== Number(value)) samples.push([now, Number(value)]);
+    if (samples.at(-1)?.[1] !== value) samples.push([now, value]);
     if (samples.length > SAMPLES_MAX) samples.splice(0, SAMPLES_MAX / 4);
     curves.samples.set(name, samples);
   }
