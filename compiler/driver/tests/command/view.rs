@@ -147,6 +147,23 @@ fn constants_are_drawn_as_their_author_wrote_them() {
 }
 
 #[test]
+fn components_of_a_data_block_have_initial_values_and_comments() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "DATA_BLOCK DB 10\nSTRUCT\n  speed : REAL := 1.5; // set point\n  s : STRUCT\n    n : INT := 3;\n  \
+                  END_STRUCT;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("data.awl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "data.awl", "--html", "page.html"]);
+    let page = fs::read_to_string(folder.join("page.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let speed = r#"["","speed","REAL","1.5","set point","DB10.DBD0",0]"#;
+    let n = r#"["","n","INT","3","","DB10.DBW4",1]"#;
+    for row in [speed, n] {
+        assert!(page.contains(row), "{row} in {page}");
+    }
+}
+
+#[test]
 fn no_page_is_written_of_what_could_not_be_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

@@ -1,5 +1,7 @@
 //! The interface of a block and the components of a data block, as rows of a table.
 
+use std::collections::HashMap;
+
 use plcc_abi::image::BlockKind;
 use plcc_syntax::ast::{self, BlockName, DataContent, TypeKind, Variable};
 
@@ -18,6 +20,11 @@ impl Maker<'_> {
             page.name = db.name.clone();
             let mut rows = Vec::new();
             data::members(db.number, &db.members, 0, 0, &mut rows);
+            if let DataContent::Struct(variables) = &block.content {
+                let mut declared = Vec::new();
+                self.declare(variables, "", 0, &mut declared);
+                complete(&mut rows, &declared);
+            }
             page.declarations = rows;
         } else if let DataContent::Struct(variables) = &block.content {
             self.declare(variables, "", 0, &mut page.declarations);
@@ -52,4 +59,26 @@ impl Maker<'_> {
             }
         }
     }
+}
+
+/// Adds what is declared of components to the rows with their addresses: initial values and comments.
+fn complete(rows: &mut [Declaration], declared: &[Declaration]) {
+    let known: HashMap<Vec<String>, &Declaration> = paths(declared).into_iter().zip(declared).collect();
+    for (path, row) in paths(rows).into_iter().zip(rows) {
+        if let Some(declared) = known.get(&path) {
+            row.initial.clone_from(&declared.initial);
+            row.comment.clone_from(&declared.comment);
+        }
+    }
+}
+
+/// The name of each row, after those of the rows that it is a component of.
+fn paths(rows: &[Declaration]) -> Vec<Vec<String>> {
+    let mut path = Vec::new();
+    let one = |row: &Declaration| {
+        path.truncate(row.depth);
+        path.push(row.name.to_lowercase());
+        path.clone()
+    };
+    rows.iter().map(one).collect()
 }
