@@ -119,10 +119,13 @@ fn wrong_flags_are_usage_errors() {
     assert!(errors.contains("s.scenario:2: "), "{errors}");
     for (text, says) in [
         ("MW0;MW2\n1;2\n", "i.csv:1: columns are separated by `,`; write MW0,MW2"),
+        ("MW0;MW2\n1;2,5\n", "i.csv:1: columns are separated by `,`; write MW0,MW2"),
         ("MW0,MW2\n1\n", "i.csv:2: the first line has 2 names, but this one has 1 value"),
+        ("MW0,MW2\r\n1,2\r\n3\r\n", "i.csv:3: the first line has 2 names, but this one has 1 value"),
         ("MW0,Speed\n1,2\n3,4\n", "runtime: i.csv:1: `Speed` is neither an address"),
         ("MW0,mw0\n1,2\n", "i.csv:1: `mw0` has two columns; leave one of them out"),
         ("MW0,MW2\n1,2\n3,many\n", "instance 1: runtime: i.csv:3: MW2: `many` is not a value"),
+        ("MW0,MW2\r\n\r\n1,2\r\n\r\n3,many\r\n", "instance 1: runtime: i.csv:5: MW2: `many` is not a value"),
     ] {
         std::fs::write(folder.join("i.csv"), text).expect("the folder can be written");
         let errors = both(folder, &["--clock", "virtual", "--cycles", "2", "--instance-values", "i.csv"], 2);

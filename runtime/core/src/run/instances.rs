@@ -43,7 +43,33 @@ struct Table {
     /// The name of its file.
     file: String,
     names: Vec<String>,
-    rows: Vec<Vec<String>>,
+    rows: Vec<Row>,
+}
+
+/// Values of an instance, and the line of the file that has them.
+struct Row {
+    line: usize,
+    values: Vec<String>,
+}
+
+/// The lines of a file, up to a record: the reader of CSV does not see the line break before it when it ends in `\r\n`, or empty lines.
+struct Lines<'a> {
+    text: &'a [u8],
+    at: usize,
+    line: usize,
+}
+
+impl Lines<'_> {
+    /// The line of a record after the last one that was asked for.
+    fn of(&mut self, record: Option<&csv::Position>) -> usize {
+        let start = record.map_or(0, |record| record.byte() as usize);
+        let rest = self.text.get(start..).unwrap_or_default();
+        let begins = start + rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
+        let passed = self.text.get(self.at..begins).unwrap_or_default();
+        self.line += passed.iter().filter(|byte| **byte == b'\n').count();
+        self.at = self.at.max(begins);
+        self.line
+    }
 }
 
 impl Table {
@@ -54,13 +80,16 @@ impl Table {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_slice());
         let names: Vec<String> =
             reader.headers().map_err(|error| format!("{shown}: {error}"))?.iter().map(str::to_string).collect();
-        let rows: Result<Vec<Vec<String>>, csv::Error> =
-            reader.records().map(|row| row.map(|row| row.iter().map(str::to_string).collect())).collect();
-        let rows = rows.map_err(|error| format!("{shown}{}", plain(&error)))?;
         if let [name] = names.as_slice()
             && name.contains(';')
         {
             return Err(format!("{shown}:1: columns are separated by `,`; write {}", name.replace(';', ",")));
+        }
+        let mut lines = Lines { text: &text, at: 0, line: 1 };
+        let mut rows = Vec::new();
+        for row in reader.records() {
+            let row = row.map_err(|error| format!("{shown}{}", plain(&error, &mut lines)))?;
+            rows.push(Row { line: lines.of(row.position()), values: row.iter().map(str::to_string).collect() });
         }
         let mut seen = BTreeSet::new();
         if let Some(name) = names.iter().find(|name| !seen.insert(name.to_ascii_lowercase())) {
@@ -74,10 +103,10 @@ impl Table {
 }
 
 /// What is wrong with a line of the file, after its name.
-fn plain(error: &csv::Error) -> String {
+fn plain(error: &csv::Error, lines: &mut Lines) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
-            let line = pos.as_ref().map_or(0, csv::Position::line);
+            let line = lines.of(pos.as_ref());
             let names = counted(*expected_len as usize, "name");
             format!(":{line}: the first line has {names}, but this one has {}", counted(*len as usize, "value"))
         }
@@ -228,9 +257,9 @@ fn one(
         Err(message) => return failed(message),
     };
     if let Some(Table { file, names, rows }) = table {
-        let row = rows.get(number).map_or(&[][..], Vec::as_slice);
+        let (line, row) = rows.get(number).map_or((0, &[][..]), |row| (row.line, row.values.as_slice()));
         let value = |(name, text): (&String, &String)| {
-            setting(&cpu, name, text).map_err(|message| format!("{file}:{}: {name}: {message}", number + 2))
+            setting(&cpu, name, text).map_err(|message| format!("{file}:{line}: {name}: {message}"))
         };
         let values: Result<Vec<_>, String> = names.iter().zip(row).map(value).collect();
         match values {
