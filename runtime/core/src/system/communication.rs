@@ -142,11 +142,8 @@ pub(super) fn reset(call: &Call) -> Outcome {
     }
 }
 
-/// HANDLE, LEN, DATA -> RET_VAL: 0 it begins, 8085, 8086, 8088, 80A1.
+/// HANDLE, LEN (0: all of DATA), DATA -> RET_VAL: 0 it begins, 8085, 8086, 8088, 80A1.
 pub(super) fn send(call: &Call) -> Outcome {
-    if call.dword(1) == 0 {
-        return error(LENGTH);
-    }
     let range = match job(call, 2, Access::Read) {
         Ok(range) => range,
         Err(code) => return error(code),
@@ -161,13 +158,14 @@ pub(super) fn send(call: &Call) -> Outcome {
     OK
 }
 
-/// HANDLE, LEN, DATA, ADDR (TADDR_Param) -> RET_VAL: 0 it is sent, 8085, 8086, 8088, 80A1, 80A4, 80B3, 80B7, 80C4.
+/// HANDLE, LEN (0: all of DATA), DATA, ADDR (TADDR_Param) -> RET_VAL: 0 it is sent, 8085, 8086, 8088, 80A1, 80A4, 80B3, 80B7, 80C4.
 pub(super) fn send_to(call: &Call) -> Outcome {
-    if call.dword(1) == 0 || call.dword(1) > DATAGRAM_BYTES_MAX {
+    if call.dword(1) > DATAGRAM_BYTES_MAX {
         return error(LENGTH);
     }
     let (range, partner) =
         match job(call, 2, Access::Read).and_then(|range| Ok((range, partner(call, 3, Access::Read)?))) {
+            Ok((range, _)) if range.bytes > DATAGRAM_BYTES_MAX => return error(LENGTH),
             Ok(found) => found,
             Err(code) => return error(code),
         };
@@ -265,7 +263,8 @@ pub(super) fn receive(call: &Call) -> Outcome {
     }
 }
 
-/// The part of DATA, parameter `index`, that LEN, parameter 1, names. `Err`: STATUS.
+/// The part of DATA, parameter `index`, that LEN, parameter 1, names; with LEN 0 all of it, of what is received as much as a job takes.
+/// `Err`: STATUS.
 fn job(call: &Call, index: usize, access: Access) -> Result<Range, u16> {
     if !(1..=4095).contains(&call.word(0)) {
         return Err(ID);
@@ -275,7 +274,12 @@ fn job(call: &Call, index: usize, access: Access) -> Result<Range, u16> {
         return Err(LENGTH);
     }
     let range = any::decode(call, index, access).map_err(|_| AREA_SHORT)?.ok_or(AREA_SHORT)?;
-    let bytes = if length == 0 { range.bytes.min(JOB_BYTES_MAX) } else { length };
+    let bytes = match access {
+        _ if length != 0 => length,
+        Access::Write => range.bytes.min(JOB_BYTES_MAX),
+        Access::Read if range.bytes > JOB_BYTES_MAX => return Err(LENGTH),
+        Access::Read => range.bytes,
+    };
     if bytes > range.bytes || bytes > range.existing {
         return Err(AREA_SHORT);
     }
