@@ -29,6 +29,9 @@ const PARTNER_AREA: u16 = 0x80B7;
 /// Length of TADDR_Param.
 const PARTNER_BYTES: u32 = 8;
 
+/// LEN of a job that receives whatever has arrived.
+const AD_HOC: u32 = 65_535;
+
 /// RET_VAL of [`state`].
 const MISSING: u16 = 0;
 const ESTABLISHING: u16 = 1;
@@ -144,7 +147,7 @@ pub(super) fn reset(call: &Call) -> Outcome {
 
 /// HANDLE, LEN (0: all of DATA), DATA -> RET_VAL: 0 it begins, 8085, 8086, 8088, 80A1.
 pub(super) fn send(call: &Call) -> Outcome {
-    let range = match job(call, 2, Access::Read) {
+    let range = match job(call, call.dword(1), 2, Access::Read) {
         Ok(range) => range,
         Err(code) => return error(code),
     };
@@ -160,11 +163,12 @@ pub(super) fn send(call: &Call) -> Outcome {
 
 /// HANDLE, LEN (0: all of DATA), DATA, ADDR (TADDR_Param) -> RET_VAL: 0 it is sent, 8085, 8086, 8088, 80A1, 80A4, 80B3, 80B7, 80C4.
 pub(super) fn send_to(call: &Call) -> Outcome {
-    if call.dword(1) > DATAGRAM_BYTES_MAX {
+    let length = call.dword(1);
+    if length > DATAGRAM_BYTES_MAX {
         return error(LENGTH);
     }
     let (range, partner) =
-        match job(call, 2, Access::Read).and_then(|range| Ok((range, partner(call, 3, Access::Read)?))) {
+        match job(call, length, 2, Access::Read).and_then(|range| Ok((range, partner(call, 3, Access::Read)?))) {
             Ok((range, _)) if range.bytes > DATAGRAM_BYTES_MAX => return error(LENGTH),
             Ok(found) => found,
             Err(code) => return error(code),
@@ -186,11 +190,12 @@ pub(super) fn send_to(call: &Call) -> Outcome {
 
 /// HANDLE, LEN (0: as much as fits DATA) -> RET_VAL: 0, 7002 nothing yet, 8085, 8086, 8088, 80A1, 80B3, 80B7; RCVD_LEN; DATA and ADDR take what came.
 pub(super) fn receive_from(call: &Call) -> Outcome {
-    let (range, partner) =
-        match job(call, 4, Access::Write).and_then(|range| Ok((range, partner(call, 5, Access::Write)?))) {
-            Ok(found) => found,
-            Err(code) => return error(code),
-        };
+    let (range, partner) = match job(call, call.dword(1), 4, Access::Write)
+        .and_then(|range| Ok((range, partner(call, 5, Access::Write)?)))
+    {
+        Ok(found) => found,
+        Err(code) => return error(code),
+    };
     let mut communication = call.cpu.connections();
     let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
     match connection.receive_from(range.bytes as usize) {
@@ -235,10 +240,11 @@ pub(super) fn sent(call: &Call) -> Outcome {
     }
 }
 
-/// HANDLE, LEN (0: as much as fits DATA), ADHOC (TCP: what there is) -> RET_VAL: 0, 7002 nothing yet, 8085, 8086, 8088, 80A1; RCVD_LEN;
-/// DATA takes it.
+/// HANDLE, LEN (0: as much as fits DATA; 65535: with TCP what there is), ADHOC (the same) -> RET_VAL: 0, 7002 nothing yet, 8085, 8086, 8088,
+/// 80A1; RCVD_LEN; DATA takes it.
 pub(super) fn receive(call: &Call) -> Outcome {
-    let range = match job(call, 5, Access::Write) {
+    let length = if call.dword(1) == AD_HOC { 0 } else { call.dword(1) };
+    let range = match job(call, length, 5, Access::Write) {
         Ok(range) => range,
         Err(code) => return error(code),
     };
@@ -247,7 +253,7 @@ pub(super) fn receive(call: &Call) -> Outcome {
     if !connection.is_up() {
         return error(status::NOT_CONNECTED);
     }
-    let ad_hoc = call.byte(2) & 1 != 0 || call.dword(1) == 0;
+    let ad_hoc = call.byte(2) & 1 != 0 || length == 0;
     let exact = connection.description.protocol == Protocol::Tcp && !ad_hoc;
     match connection.receive(range.bytes as usize, exact) {
         Receive::Bytes(bytes) => {
@@ -263,13 +269,11 @@ pub(super) fn receive(call: &Call) -> Outcome {
     }
 }
 
-/// The part of DATA, parameter `index`, that LEN, parameter 1, names; with LEN 0 all of it, of what is received as much as a job takes.
-/// `Err`: STATUS.
-fn job(call: &Call, index: usize, access: Access) -> Result<Range, u16> {
+/// The part of DATA, parameter `index`, that LEN names; with LEN 0 all of it, of what is received as much as a job takes. `Err`: STATUS.
+fn job(call: &Call, length: u32, index: usize, access: Access) -> Result<Range, u16> {
     if !(1..=4095).contains(&call.word(0)) {
         return Err(ID);
     }
-    let length = call.dword(1);
     if length > JOB_BYTES_MAX {
         return Err(LENGTH);
     }
