@@ -80,6 +80,27 @@ fn a_box_of_a_timer_has_all_pins_and_a_coil_is_a_coil() {
     assert_eq!(shown(3), ["M0.0", "SF", "T2", "MW4"]);
 }
 
+/// STEP 7 writes `BLD 101` after CU and CD of a box.
+#[test]
+fn a_counter_with_bld_is_a_box() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nA I 0.0; CU C 5; BLD 101; A I 0.1; CD C 5; BLD 101; A I 0.2; L C#10; S C 5; \
+                  A I 0.3; R C 5; L C 5; T MW 40; LC C 5; T MW 42; A C 5; = Q 4.5;\nNETWORK\nA I 0.4; CU C 6; BLD 101; NOP 0; \
+                  A I 0.5; L C#3; S C 6; NOP 0; L C 6; T MW 44; NOP 0; A C 6; = Q 4.6;\nEND_FUNCTION\n";
+    fs::write(folder.join("count.awl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "count.awl", "--cpu", "315-2DP", "-o", "drawings"]);
+    for (number, title, others) in [(1, "S_CUD", ["CD", "CV_BCD"]), (2, "S_CU", ["CV", "CV_BCD"])] {
+        let picture = fs::read_to_string(folder.join(format!("drawings/FC_1_network_{number}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        for text in [title, "CU", "S", "PV", "R", "CV"].into_iter().chain(others) {
+            assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
+        }
+        // The coil is at Q of the box, without a contact of the counter.
+        assert_eq!(picture.matches(">C ").count(), 1, "{picture}");
+    }
+}
+
 #[test]
 fn pins_have_the_names_of_the_editors() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -6,7 +6,7 @@ use plcc_syntax::network::ast::{Pin, PinValue};
 use plcc_syntax::stl::StlInsn;
 
 use super::overlap::{is_same, may_be_same};
-use super::{Logic, Reader, Reason, Refused, instruction, is_nop, operand_pin, pin};
+use super::{Logic, Reader, Reason, Refused, instruction, is_display, is_nop, operand_pin, pin};
 use crate::to_graph::operand::Kind;
 
 impl Reader<'_> {
@@ -31,6 +31,8 @@ impl Reader<'_> {
         let mut found: Vec<(Slot, std::ops::Range<usize>)> = Vec::new();
         let (mut at, mut is_box) = (1, false);
         for slot in slots {
+            // STEP 7 ends the parts of a counter with `BLD 101`.
+            at += rest[at..].iter().take_while(|next| next.label.is_none() && is_display(next)).count();
             if rest.get(at).is_some_and(|next| next.label.is_none() && is_nop(next)) {
                 (at, is_box) = (at + 1, true);
                 continue;

@@ -353,7 +353,12 @@ fn instruction(statement: &Statement) -> Option<(StlInsn, Option<&Operand>)> {
 }
 
 fn is_nop(statement: &Statement) -> bool {
-    matches!(instruction(statement), Some((StlInsn::Nop | StlInsn::Display, _)))
+    is_display(statement) || matches!(instruction(statement), Some((StlInsn::Nop, _)))
+}
+
+/// `BLD 101`, which only editors read.
+fn is_display(statement: &Statement) -> bool {
+    matches!(instruction(statement), Some((StlInsn::Display, _)))
 }
 
 /// `A BR`.
