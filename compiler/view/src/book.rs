@@ -19,8 +19,9 @@ use plcc_model::{BlockKey, Program};
 use plcc_syntax::ast::{self, BlockName, SourceUnit};
 
 use crate::listing::{self, Listing};
+use crate::metrics::{self, LINE};
 use crate::names::{Names, Scope};
-use crate::scene::Scene;
+use crate::scene::{Anchor, Ink, Scene};
 use crate::sheet::Sheet;
 
 /// A program as pages.
@@ -77,6 +78,22 @@ pub struct Section {
     pub content: Body,
     /// What is drawn, as text, if the drawing is live.
     pub code: Option<Listing>,
+}
+
+impl Section {
+    /// Its drawing, below the labels that jumps lead to; `None`: it is text.
+    pub fn picture(&self) -> Option<Scene> {
+        let Body::Drawing { scene, .. } = &self.content else { return None };
+        if self.labels.is_empty() {
+            return Some(scene.clone());
+        }
+        let labels = format!("{}:", self.labels.join(", "));
+        let width = scene.width.max(20 + metrics::width(&labels, Ink::Mark.height()));
+        let mut picture = Scene { width, height: scene.height + LINE, items: Vec::new() };
+        picture.text((10, 16), Anchor::Start, Ink::Mark, &labels, "");
+        picture.add(scene.clone(), (0, LINE));
+        Some(picture)
+    }
 }
 
 /// What a section shows.

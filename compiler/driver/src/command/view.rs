@@ -151,7 +151,7 @@ fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, Stri
     let mut used: HashMap<String, usize> = HashMap::new();
     for page in &book.pages {
         for section in &page.sections {
-            let Body::Drawing { scene, sheet } = &section.content else { continue };
+            let (Body::Drawing { sheet, .. }, Some(picture)) = (&section.content, section.picture()) else { continue };
             let safe: String = page.id.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
             let stem = match section.number {
                 0 => safe,
@@ -164,7 +164,7 @@ fn write_folder(book: &Book, folder: &Path, values: Option<&HashMap<String, Stri
                 nets: logic::logic(sheet).values(&|key| values.get(key).cloned()),
                 active: values.iter().filter(|(_, value)| *value == "1").map(|(key, _)| key.clone()).collect(),
             });
-            write(&folder.join(format!("{stem}.svg")), &svg::file(scene, shown.as_ref()))?;
+            write(&folder.join(format!("{stem}.svg")), &svg::file(&picture, shown.as_ref()))?;
         }
     }
     Ok(used.values().sum())

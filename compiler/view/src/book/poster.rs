@@ -15,8 +15,9 @@ impl Book {
         let mut nets = 0;
         for page in &self.pages {
             for section in &page.sections {
-                let Body::Drawing { scene, sheet } = &section.content else { continue };
-                let mut scene = scene.clone();
+                let (Body::Drawing { sheet, .. }, Some(mut scene)) = (&section.content, section.picture()) else {
+                    continue;
+                };
                 let network = if section.number > 0 { format!(", network {}", section.number) } else { String::new() };
                 let title = if section.title.is_empty() { String::new() } else { format!(": {}", section.title) };
                 let caption = format!("{}{network}{title}", page.id);

@@ -33,11 +33,14 @@ impl Maker<'_> {
             }
             _ => rungs,
         };
+        // The text has its labels at their statements.
+        let label = network.statements.first().and_then(|first| first.label.as_ref()).filter(|_| drawn.is_ok());
         let spans = network.statements.iter().map(|statement| statement.span);
         Section {
             number,
             title: network.title.clone().unwrap_or_default(),
             comment: network.comment.clone(),
+            labels: label.map(|label| label.name.clone()).into_iter().collect(),
             ..self.rungs(drawn, spans)
         }
     }
