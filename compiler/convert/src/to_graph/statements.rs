@@ -88,6 +88,18 @@ fn does_nothing(statement: &Statement) -> bool {
     }
 }
 
+/// `SAVE; BEC` at the end of a network: STEP 7 makes them of the coil RET.
+fn returns(rest: &[&Statement]) -> bool {
+    let is = |statement: &Statement, wanted: StlInsn| match &statement.kind {
+        StatementKind::Instruction { insn, .. } => *insn == wanted && statement.label.is_none(),
+        StatementKind::Call(_) | StatementKind::Empty | StatementKind::Pragma(_) | StatementKind::Error => false,
+    };
+    let [save, end, after @ ..] = rest else { return false };
+    is(save, StlInsn::Save)
+        && is(end, StlInsn::BlockEndConditional)
+        && after.iter().all(|statement| does_nothing(statement))
+}
+
 /// What reads the statements of a network.
 pub struct Reader<'a> {
     pub drawing: Drawing,
@@ -141,6 +153,12 @@ impl Reader<'_> {
                     self.labels.push(Name { text: label.name.clone(), form: NameForm::Bare, span: label.span });
                 }
                 None => {}
+            }
+            if is_whole && self.is_picture && returns(&statements[at..]) {
+                let flow = self.flow().map_err(here)?;
+                let pins = self.drawing.input("in", &flow).map_err(here)?.into_iter().collect();
+                self.drawing.element("ReturnCoil", pins, None);
+                return Ok(());
             }
             if let Some(len) = self.boxed(&statements[at..])? {
                 at += len;

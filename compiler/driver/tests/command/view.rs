@@ -101,6 +101,21 @@ fn a_counter_with_bld_is_a_box() {
     }
 }
 
+/// STEP 7 writes `SAVE; BEC` for the coil RET.
+#[test]
+fn a_conditional_end_is_a_coil() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nA I 0.0; AN I 0.1; SAVE; BEC;\nNETWORK\nA I 0.2; = Q 0.0;\nEND_FUNCTION\n";
+    fs::write(folder.join("end.awl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "end.awl", "--cpu", "315-2DP", "-o", "drawings"]);
+    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for text in ["I 0.0", "I 0.1", "RET"] {
+        assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
+    }
+}
+
 #[test]
 fn pins_have_the_names_of_the_editors() {
     let folder = tempfile::tempdir().expect("a temporary folder");
