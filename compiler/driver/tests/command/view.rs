@@ -445,8 +445,8 @@ fn a_folder_without_drawings_is_explained() {
     assert!(messages.contains("no networks and no charts"), "{messages}");
 }
 
-/// The texts at the arrows of a chart with these transitions: the steps before and after each.
-fn arrows(steps: usize, transitions: &[(&str, &str)]) -> Vec<String> {
+/// The picture of a chart with these transitions: the steps before and after each.
+fn chart(steps: usize, transitions: &[(&str, &str)]) -> String {
     let mut source = "FUNCTION_BLOCK FB1\nVAR_INPUT\n  go : BOOL;\nEND_VAR\n".to_string();
     for number in 1..=steps {
         let word = if number == 1 { "INITIAL_STEP" } else { "STEP" };
@@ -463,9 +463,37 @@ fn arrows(steps: usize, transitions: &[(&str, &str)]) -> Vec<String> {
     fs::write(folder.path().join("chart.gr7"), source).expect("the folder can be written");
     let output = plcc(&folder, &["view", "chart.gr7", "-o", "pictures"]);
     let messages = String::from_utf8_lossy(&output.stderr);
-    let picture = fs::read_to_string(folder.path().join("pictures/FB_1.svg")).unwrap_or_else(|_| panic!("{messages}"));
+    fs::read_to_string(folder.path().join("pictures/FB_1.svg")).unwrap_or_else(|_| panic!("{messages}"))
+}
+
+/// The texts at the arrows of a chart.
+fn arrows(steps: usize, transitions: &[(&str, &str)]) -> Vec<String> {
+    let picture = chart(steps, transitions);
     let texts = picture.lines().filter(|line| line.starts_with("<text class=\"m\""));
     texts.filter_map(|line| Some(line.split_once('>')?.1.trim_end_matches("</text>").to_string())).collect()
+}
+
+/// The leftmost way ends at an arrow, and the others come together on the right of it.
+#[test]
+fn what_follows_a_join_is_below_it() {
+    let transitions = [
+        ("At1", "At2"),
+        ("At1", "At3"),
+        ("At1", "At1 (*$_JUMP*)"),
+        ("At2", "At4"),
+        ("At3", "At4"),
+        ("At4", "(At5, At6)"),
+        ("(At5, At6)", "At1 (*$_JUMP*)"),
+    ];
+    let picture = chart(6, &transitions);
+    let place = |step: &str| {
+        let line = picture.lines().find(|line| line.contains(&format!(">{step}</text>")));
+        let line = line.unwrap_or_else(|| panic!("{step} in {picture}"));
+        let x = line.split(" x=\"").nth(1).and_then(|rest| rest.split('"').next());
+        x.and_then(|x| x.parse::<i32>().ok()).expect("a text has a place")
+    };
+    assert!(place("At4") > place("At1"), "{picture}");
+    assert_eq!(place("At4"), place("At5"), "{picture}");
 }
 
 /// Two transitions join the same paths, and their ways come together again.

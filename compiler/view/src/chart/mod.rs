@@ -164,7 +164,7 @@ impl<'a> Maker<'a> {
             match (&own[..], &joining[..]) {
                 ([], []) => return piece,
                 ([], [join, others @ ..]) if others.iter().all(|at| self.group[*at] == self.group[*join]) => {
-                    piece.ends = vec![(piece.entry, End::Join(*join))];
+                    piece.ends = vec![(piece.exit, End::Join(*join))];
                     return piece;
                 }
                 ([only], []) => {

@@ -8,13 +8,14 @@ const GAP: i32 = 24;
 /// Height of the line between tiles.
 const LINK: i32 = 14;
 
-/// A part of a chart. Its flow enters at `entry` at the top.
+/// A part of a chart. Its flow enters at `entry` at the top, and what follows is below `exit` if no way ends at the bottom.
 #[derive(Clone, Debug, Default)]
 pub struct Piece {
     pub scene: Scene,
     pub width: i32,
     pub height: i32,
     pub entry: i32,
+    pub exit: i32,
     /// Where its ways end at the bottom, from left to right.
     pub ends: Vec<(i32, End)>,
 }
@@ -32,7 +33,7 @@ impl Piece {
     /// A short line with an arrow to what is named.
     pub fn arrow(text: &str) -> Piece {
         let mut piece =
-            Piece { width: metrics::width(text, metrics::TEXT) + 22, height: 0, entry: 8, ..Piece::default() };
+            Piece { width: metrics::width(text, metrics::TEXT) + 22, height: 0, entry: 8, exit: 8, ..Piece::default() };
         piece.arrow_at(8, text);
         piece
     }
@@ -40,7 +41,7 @@ impl Piece {
     /// The beginning of a transition that joins paths: what they come from, and a double line.
     pub fn joint(text: &str) -> Piece {
         let width = metrics::width(text, metrics::TEXT) + 40;
-        let mut piece = Piece { width, height: 18, entry: 40, ..Piece::default() };
+        let mut piece = Piece { width, height: 18, entry: 40, exit: 40, ..Piece::default() };
         piece.scene.text((30, 8), Anchor::Start, Ink::Mark, text, "");
         piece.line((26, 14), (54, 14));
         piece.line((26, 18), (54, 18));
@@ -52,7 +53,7 @@ impl Piece {
         let mut scene = Scene::default();
         scene.items.push(crate::scene::Item::Stroke { points: vec![(8, 0), (8, 14)], ink: Ink::Plain });
         scene.items.push(crate::scene::Item::Stroke { points: vec![(0, 14), (16, 14)], ink: Ink::Plain });
-        Piece { scene, width: 16, height: 20, entry: 8, ends: Vec::new() }
+        Piece { scene, width: 16, height: 20, entry: 8, exit: 8, ends: Vec::new() }
     }
 
     /// Adds an arrow at the bottom.
@@ -84,7 +85,7 @@ impl Piece {
 
     /// Puts `next` below, with a line between.
     pub fn below(&mut self, next: Piece) {
-        let from = self.ends.first().map_or(self.entry, |(x, _)| *x);
+        let from = self.ends.first().map_or(self.exit, |(x, _)| *x);
         // The one below may be wider at the left.
         let dx = from - next.entry;
         let (mine, its) = if dx < 0 { (-dx, 0) } else { (0, dx) };
@@ -95,6 +96,7 @@ impl Piece {
         self.scene.add(next.scene, (its, top));
         self.width = self.width.max(next.width + its);
         self.height = top + next.height;
+        self.exit = next.exit + its;
         self.ends = next.ends.into_iter().map(|(x, end)| (x + its, end)).collect();
     }
 
@@ -106,6 +108,7 @@ impl Piece {
         self.scene.add(scene, (by, 0));
         self.width += by;
         self.entry += by;
+        self.exit += by;
         self.ends.iter_mut().for_each(|(x, _)| *x += by);
     }
 
@@ -141,6 +144,7 @@ impl Piece {
             piece.line((first, 0), (last, 0));
             piece.entry = first;
         }
+        piece.exit = piece.entry;
         piece.height = height;
         piece
     }

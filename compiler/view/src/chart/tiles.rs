@@ -111,7 +111,7 @@ impl Tiles<'_> {
             scene.text(at, Anchor::Start, Ink::Note, &line, "");
             bottom += LINE;
         }
-        Piece { scene, width: right, height: bottom, entry: middle, ends: Vec::new() }
+        Piece { scene, width: right, height: bottom, entry: middle, exit: middle, ends: Vec::new() }
     }
 
     /// A transition: its bar, its name and its condition beside it.
@@ -146,7 +146,7 @@ impl Tiles<'_> {
         scene.items.push(Item::Stroke { points: vec![(entry - 14, 0), (entry + 14, 0)], ink: Ink::Plain });
         scene.items.push(Item::Stroke { points: vec![(entry - 14, 1), (entry + 14, 1)], ink: Ink::Plain });
         scene.items.push(Item::Stroke { points: vec![(entry, -2), (entry, bottom)], ink: Ink::Plain });
-        Piece { scene, width: right + 6, height: bottom, entry, ends: Vec::new() }
+        Piece { scene, width: right + 6, height: bottom, entry, exit: entry, ends: Vec::new() }
     }
 
     /// A condition as a network, or as text.
