@@ -164,13 +164,13 @@ fn constants_are_drawn_as_their_author_wrote_them() {
                   { S7_Templates := \"SrcType := Real\"; S7_Expression := \"IN1 * 2.50\" } Calculate( in1 := #r, out => #r ) \
                   END_RUNG\nEND_NETWORK\nEND_FUNCTION_BLOCK\n";
     fs::write(folder.join("fill.s7dcl"), source).expect("the folder can be written");
-    let chart = "FUNCTION_BLOCK FB 2\nINITIAL_STEP Run (*$_NUM 1*):\nMW20 := 16#00FF   (N)\nEND_STEP\nTRANSITION T_1 (*$_NUM 1*)\n  \
+    let chart = "FUNCTION_BLOCK FB 2\nINITIAL_STEP Run (*$_NUM 1*):\nMW20 := 16#00FF   (N)\nQ0.0 := T#90S   (D)\nEND_STEP\nTRANSITION T_1 (*$_NUM 1*)\n  \
                  FROM Run\n  TO Run (*$_JUMP*)\nCONDITION := MW22 > 1_000\nEND_TRANSITION\nEND_FUNCTION_BLOCK\n";
     fs::write(folder.join("run.gr7"), chart).expect("the folder can be written");
     let pictures: [(&str, &str, &str, &[&str]); 3] = [
         ("fill.s7dcl", "s7-1500", "FB_1_network_1", &["1.0E+6", "T#90s", "2#1010_0000", "-1_000"]),
         ("fill.s7dcl", "s7-1500", "FB_1_network_2", &["OUT := IN1 * 2.50"]),
-        ("run.gr7", "315-2DP", "FB_2", &["MW20 := 16#00FF", "1_000"]),
+        ("run.gr7", "315-2DP", "FB_2", &["MW20 := 16#00FF", "Q0.0, T#90S", "1_000"]),
     ];
     for (source, cpu, name, texts) in pictures {
         let output = plcc(folder, &["view", source, "--cpu", cpu, "-o", "drawings"]);

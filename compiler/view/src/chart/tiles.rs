@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 
 use plcc_diag::Span;
-use plcc_syntax::chart::ast::{Action, ActionBody, Condition, Step, Transition};
+use plcc_syntax::chart::ast::{Action, ActionBody, Condition, Qualifier, Step, Transition};
 use plcc_syntax::network::ast::{Content, Language};
 use plcc_syntax::network::draw;
 use plcc_syntax::scl::ast::Expr;
@@ -224,7 +224,9 @@ impl Tiles<'_> {
                 let label = self.names.label(&draw::whole_of(operand, self.text), self.scope);
                 self.writes(&label);
                 key = label.key;
-                one(format!("{} := {}", label.text, self.formula(value)))
+                // Only under N it is assigned; others have it as their time or count.
+                let sign = if action.qualifier == Qualifier::N { " := " } else { ", " };
+                one(format!("{}{sign}{}", label.text, self.formula(value)))
             }
             ActionBody::All { .. } => one("S_ALL".to_string()),
             ActionBody::Call(call) => (self.lines(call.span), None),
