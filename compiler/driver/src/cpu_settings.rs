@@ -23,6 +23,8 @@ pub enum CpuSetting {
     Complete,
     /// `[axis.NAME]`
     Axes,
+    /// `hardware_id` of a module.
+    HardwareId,
     /// Byte of the clock memory or the system memory.
     MemoryByte(u16),
     /// A number below `[retain]`.
@@ -65,6 +67,7 @@ pub fn without_block(settings: &[(CpuSetting, Span)], program: &Program) -> Vec<
             | CpuSetting::Cold
             | CpuSetting::Complete
             | CpuSetting::Axes
+            | CpuSetting::HardwareId
             | CpuSetting::MemoryByte(_)
             | CpuSetting::Retentive(..) => return None,
         };
@@ -158,6 +161,11 @@ fn wrong(setting: CpuSetting, profile: &Profile) -> Option<(String, &'static str
             format!("the CPU {cpu} has no axes"),
             "remove this heading and its keys: technology objects belong to CPUs of the S7-1200 and S7-1500",
         )),
+        CpuSetting::HardwareId if family.is_portal() => None,
+        CpuSetting::HardwareId => Some((
+            format!("the modules of the CPU {cpu} have no hardware identifiers"),
+            "remove this key: the program names a module by its first address",
+        )),
         CpuSetting::MemoryByte(byte) => {
             let bytes = profile.bit_memory;
             (u32::from(byte) >= bytes && family != Family::S7200).then(|| {
@@ -206,6 +214,7 @@ mod tests {
             (CpuSetting::Cold, [false, false, true, true]),
             (CpuSetting::Complete, [true, true, false, true]),
             (CpuSetting::Axes, [true, true, false, true]),
+            (CpuSetting::HardwareId, [true, true, false, true]),
             (CpuSetting::Retentive(Retained::Timers, 4000), [true, true, true, false]),
             (CpuSetting::Retentive(Retained::Counters, 8), [false, false, true, false]),
             (CpuSetting::Retentive(Retained::BitMemory, 16), [false, false, false, false]),

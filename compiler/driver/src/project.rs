@@ -242,7 +242,9 @@ impl Context {
         });
         if !keys.module.is_empty() || station.is_some() {
             let of_station = station.as_ref().map(Station::modules).unwrap_or_default();
-            config.modules = Some(self.modules(of_station, &keys.module));
+            let modules = self.modules(of_station, &keys.module);
+            config.hardware_ids = self.hardware_ids(&modules[modules.len() - keys.module.len()..], &keys.module);
+            config.modules = Some(modules);
         }
         self.devices(&keys.io, &mut config);
         config.cpu_order = station.as_ref().map(Station::cpu_order).unwrap_or_default();

@@ -310,6 +310,8 @@ pub struct Config {
     pub time_of_day: Vec<TimeOfDay>,
     /// Byte ranges of inputs and outputs that modules cover; `None`: every address exists.
     pub modules: Option<Vec<Module>>,
+    /// Hardware identifiers that plc.toml gives to modules: the number, and [`Module::identifier`].
+    pub hardware_ids: Vec<(u16, u16)>,
     /// Devices on a field bus.
     pub remote: Vec<RemoteStation>,
     /// Partners of PUT, GET, BSEND and so on.
@@ -344,6 +346,7 @@ impl Default for Config {
             priorities: Vec::new(),
             time_of_day: Vec::new(),
             modules: None,
+            hardware_ids: Vec::new(),
             remote: Vec::new(),
             connections: Vec::new(),
             startup: 100,
@@ -425,6 +428,19 @@ pub struct Module {
     pub output_bytes: u32,
     /// Its description if plc.toml describes the station.
     pub station: Option<StationModule>,
+}
+
+impl Module {
+    /// Bit of a hardware identifier that is an address of outputs.
+    pub const OF_OUTPUTS: u16 = 0x8000;
+
+    /// Its hardware identifier by its addresses: the first one of its inputs, or that of its outputs with [`Module::OF_OUTPUTS`].
+    pub const fn identifier(&self) -> u16 {
+        match self.input_bytes {
+            0 => self.output_start as u16 | Module::OF_OUTPUTS,
+            _ => self.input_start as u16,
+        }
+    }
 }
 
 /// A module of a station: its position and its channels.

@@ -103,6 +103,7 @@ pub(super) struct ModuleKeys {
     pub(super) inputs: Option<AddressKeys>,
     #[serde(default, deserialize_with = "addresses_in_table")]
     pub(super) outputs: Option<AddressKeys>,
+    pub(super) hardware_id: Option<Spanned<i64>>,
 }
 
 /// Reads a table; a list of numbers says nothing of which is which.

@@ -7,8 +7,11 @@ use toml::Spanned;
 
 use super::Context;
 use super::keys::{AddressKeys, ModuleKeys};
+use crate::cpu_settings::CpuSetting;
 use crate::remote;
 
+/// Hardware identifiers that a module may have. The CPU itself and its interfaces have smaller ones.
+const HARDWARE_IDS: std::ops::RangeInclusive<i64> = 256..=32_767;
 /// Peripheral addresses are 16 bits wide.
 const PERIPHERAL_BYTES: i64 = 65536;
 
@@ -27,6 +30,22 @@ impl Context {
             modules.push(new);
         }
         modules
+    }
+
+    /// The hardware identifiers of the modules of `keys`, with those by their addresses.
+    pub(super) fn hardware_ids(&mut self, modules: &[Module], keys: &[ModuleKeys]) -> Vec<(u16, u16)> {
+        let mut ids: Vec<(u16, u16)> = Vec::new();
+        for (module, keys) in modules.iter().zip(keys) {
+            let Some(key) = &keys.hardware_id else { continue };
+            self.note_of_cpu(CpuSetting::HardwareId, key.span());
+            let Some(id) = self.number::<u16>(key, HARDWARE_IDS, "a hardware identifier") else { continue };
+            if ids.iter().any(|(other, _)| *other == id) {
+                let title = format!("two modules have the hardware identifier {id}");
+                self.report(key.span(), title, "write the number that the properties of each module show");
+            }
+            ids.push((id, module.identifier()));
+        }
+        ids
     }
 
     /// Devices on a field bus. Beside modules their addresses are further ones.

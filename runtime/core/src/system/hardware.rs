@@ -1,8 +1,8 @@
 //! Hardware of a CPU of the TIA Portal: RD_ADDR, LOG2GEO, GEO2LOG, IO2MOD, LED, DeviceStates, ModuleStates, GET_DIAG, and the runtime part of GETIO and
 //! SETIO.
 //!
-//! The hardware identifier of a module is the first address of its inputs, or that of its outputs with bit 15; each address that the module
-//! covers is accepted. There are no PROFINET or PROFIBUS devices.
+//! The hardware identifier of a module is the one that plc.toml gives it, otherwise the first address of its inputs, or that of its outputs with
+//! bit 15; each address that the module covers is accepted. There are no PROFINET or PROFIBUS devices.
 //!
 //! Source: TIA Portal help, distributed I/O, diagnostics, addressing of modules; System and standard functions, GETIO and SETIO.
 
@@ -16,7 +16,7 @@ use crate::io::PERIPHERAL_BYTES;
 /// Hardware identifiers of the CPU itself.
 const CPU: std::ops::RangeInclusive<u16> = 49..=52;
 /// Bit of an identifier of outputs.
-const OUTPUTS: u16 = 0x8000;
+const OUTPUTS: u16 = Module::OF_OUTPUTS;
 
 /// No such hardware identifier.
 const NO_ADDRESS: u16 = 0x8090;
@@ -44,6 +44,17 @@ const KIND_SUBMODULE: u16 = 5;
 
 /// The module that a hardware identifier means.
 fn module<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
+    module_at(call, by_address(call, id))
+}
+
+/// A hardware identifier, as that of the first address of its module if plc.toml gives it.
+fn by_address(call: &Call, id: u16) -> u16 {
+    let ids = &call.cpu.image.config.hardware_ids;
+    ids.iter().find(|(given, _)| *given == id).map_or(id, |(_, address)| *address)
+}
+
+/// The module that has an address, of outputs with bit 15.
+fn module_at<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
     let address = u32::from(id & !OUTPUTS);
     let covers = |start: u32, bytes: u32| address >= start && address - start < bytes;
     call.cpu.image.config.modules.iter().flatten().find(|module| match id & OUTPUTS {
@@ -54,8 +65,9 @@ fn module<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
 
 /// First byte of the inputs that DPRD_DAT reads with the hardware identifier `id`. The identifier of no module is an address.
 pub(super) fn first_input(call: &Call, id: u16) -> u32 {
+    let id = by_address(call, id);
     let address = u32::from(id & !OUTPUTS);
-    match module(call, id) {
+    match module_at(call, id) {
         Some(module) if id & OUTPUTS != 0 && module.input_bytes != 0 => module.input_start,
         _ => address,
     }
@@ -64,18 +76,17 @@ pub(super) fn first_input(call: &Call, id: u16) -> u32 {
 /// First byte of the outputs that DPWR_DAT writes with the hardware identifier `id`: those of the module, also if `id` is that of its inputs. The
 /// identifier of no module is an address.
 pub(super) fn first_output(call: &Call, id: u16) -> u32 {
+    let id = by_address(call, id);
     let address = u32::from(id & !OUTPUTS);
-    let Some(module) = module(call, id) else { return address };
+    let Some(module) = module_at(call, id) else { return address };
     let is_own = address >= module.output_start && address - module.output_start < module.output_bytes;
     if module.output_bytes == 0 || is_own { address } else { module.output_start }
 }
 
 /// The hardware identifier of a module.
-fn identifier(module: &Module) -> u16 {
-    match module.input_bytes {
-        0 => module.output_start as u16 | OUTPUTS,
-        _ => module.input_start as u16,
-    }
+fn identifier(call: &Call, module: &Module) -> u16 {
+    let (own, ids) = (module.identifier(), &call.cpu.image.config.hardware_ids);
+    ids.iter().find(|(_, address)| *address == own).map_or(own, |(given, _)| *given)
 }
 
 /// LADDR -> RET_VAL, PIADDR, PICOUNT, PQADDR, PQCOUNT.
@@ -127,7 +138,7 @@ pub(super) fn geo2log(call: &Call) -> Outcome {
     if field(5) > 1 {
         return error(GEO_SUBSLOT);
     }
-    call.set_word(LADDR, identifier(found));
+    call.set_word(LADDR, identifier(call, found));
     OK
 }
 
@@ -143,11 +154,11 @@ pub(super) fn io2mod(call: &Call) -> Outcome {
         _ => return error(NO_HARDWARE),
     };
     let Some(found) =
-        u16::try_from(byte).ok().filter(|byte| byte & OUTPUTS == 0).and_then(|byte| module(call, byte | outputs))
+        u16::try_from(byte).ok().filter(|byte| byte & OUTPUTS == 0).and_then(|byte| module_at(call, byte | outputs))
     else {
         return error(NO_ADDRESS);
     };
-    call.set_word(LADDR, identifier(found));
+    call.set_word(LADDR, identifier(call, found));
     OK
 }
 
