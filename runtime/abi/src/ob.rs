@@ -118,6 +118,10 @@ impl ObClass {
 
     /// The class that an OB below [`OB_FREE`] has by its number.
     pub fn of_number(ob: u16) -> Option<ObClass> {
+        // MC-PreServo and MC-PreInterpolator stand apart from the other blocks of motion control.
+        if matches!(ob, 67 | 68) {
+            return Some(Motion);
+        }
         OB_CLASSES.iter().find(|row| (row.numbers.0..=row.numbers.1).contains(&ob)).map(|row| row.class)
     }
 

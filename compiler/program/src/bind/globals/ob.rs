@@ -31,8 +31,11 @@ impl Globals<'_> {
                 continue;
             }
             let Some((class, text)) = class_attribute(&block.header) else {
-                if self.input.profile.family.is_portal() && ObClass::of_number(number) == Some(ObClass::Motion) {
-                    self.not_started(number, ObClass::Motion, block.name.span());
+                let class = ObClass::of_number(number).filter(|class| !class.is_started());
+                if let Some(class) = class
+                    && self.input.profile.family.is_portal()
+                {
+                    self.not_started(number, class, block.name.span());
                 }
                 continue;
             };

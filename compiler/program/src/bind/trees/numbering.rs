@@ -124,6 +124,7 @@ const OB_NAMES: &[(&str, u32, u32)] = &[
     ("Time delay interrupt", 20, 4), ("Hardware interrupt", 40, 8), ("Status", 55, 1), ("Update", 56, 1), ("Profile", 57, 1),
     ("Time error interrupt", 80, 1), ("Diagnostic error interrupt", 82, 1), ("Pull or plug of modules", 83, 1),
     ("Rack or station failure", 86, 1), ("Programming error", 121, 1), ("IO access error", 122, 1),
+    ("Synchronous Cycle", 61, 4), ("MC-PreServo", 67, 1), ("MC-PreInterpolator", 68, 1),
     ("MC-Servo", 91, 1), ("MC-Interpolator", 92, 1), ("MC-PostServo", 95, 1), ("MC-LookAhead", 97, 1), ("MC-Transformation", 98, 1),
 ];
 
