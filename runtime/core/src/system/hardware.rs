@@ -48,7 +48,7 @@ fn module<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
 }
 
 /// A hardware identifier, as that of the first address of its module if plc.toml gives it.
-fn by_address(call: &Call, id: u16) -> u16 {
+pub(super) fn by_address(call: &Call, id: u16) -> u16 {
     let ids = &call.cpu.image.config.hardware_ids;
     ids.iter().find(|(given, _)| *given == id).map_or(id, |(_, address)| *address)
 }

@@ -3,7 +3,7 @@
 //! Source: System and standard functions, data records. The modules of a station have no data records.
 
 use super::parameters::Call;
-use super::{Outcome, error, station};
+use super::{Outcome, error, hardware, station};
 
 const NO_JOB: u16 = 0x7000;
 const NO_MODULE: u16 = 0x8090;
@@ -46,7 +46,7 @@ pub(super) fn rd_dpara(call: &Call) -> Outcome {
 
 /// ID -> RET_VAL: 8090 or 80B0.
 pub(super) fn of_id(call: &Call) -> Outcome {
-    let id = call.dword(0);
+    let id = hardware::by_address(call, call.dword(0) as u16);
     let ioid = if id & 0x8000 != 0 { station::OUTPUTS } else { station::INPUTS };
-    answer(call, ioid, (id & 0x7FFF) as u16)
+    answer(call, ioid, id & 0x7FFF)
 }
