@@ -227,6 +227,9 @@ impl<'a> Look<'_, 'a> {
             let ty = self.declared_type(ctx.block.key, text);
             ty.is_some_and(|ty| matches!(&ty.kind, TypeKind::Named(name) if Elementary::from_word(name).is_some()))
         };
+        // The data of a step or transition have no value alone: `"Start"` is a symbol.
+        let is_step = ctx.scope.address_numbers
+            && ctx.block.bound.locals.get(&fold(text)).is_some_and(|local| matches!(local.ty, DataType::Struct(_)));
         match name.form {
             NameForm::Local => return local.then(|| Start::Local(text.to_string())),
             NameForm::Bare if local => return Some(Start::Local(text.to_string())),
@@ -236,7 +239,8 @@ impl<'a> Look<'_, 'a> {
                     && !ctx.scope.marks_locals
                     && self.program.globals.global(text).is_none()
                     && !self.is_missing(text)
-                    && !(has_steps && has_value_alone()) =>
+                    && !(has_steps && has_value_alone())
+                    && (has_steps || !is_step) =>
             {
                 return Some(Start::Local(text.to_string()));
             }

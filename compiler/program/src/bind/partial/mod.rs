@@ -257,6 +257,8 @@ impl Look<'_, '_> {
         let mut ctx =
             SclBlock { block: &mut block, scope: Scope::new(self.program.globals.input, &code.header, dialect) };
         ctx.scope.marks_locals = marks_locals(&code.code);
+        ctx.scope.address_numbers =
+            matches!(&code.code, ast::Code::Chart(body) if body.dialect == plcc_syntax::chart::ast::Dialect::Classic);
         self.code(&mut ctx, &code.code);
     }
 }

@@ -94,6 +94,10 @@ impl SclBinder<'_, '_> {
     fn thing_inner(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Thing> {
         let span = node.span;
         match &node.kind {
+            NodeKind::Name(name) if self.is_unknown_symbol(ctx, name) => {
+                self.program.globals.unknown_name(&name.text, span, std::iter::empty());
+                None
+            }
             NodeKind::Name(name) => self.name_thing(ctx, name, intent),
             NodeKind::Absolute(operand) => {
                 if let (OperandKind::Absolute { .. } | OperandKind::DbAbsolute { .. }, Some(untyped)) =
@@ -105,7 +109,10 @@ impl SclBinder<'_, '_> {
             }
             NodeKind::Member { base, name } if self.output_of_call(ctx, base, name) => None,
             NodeKind::Member { base, name } => {
-                let base = self.thing(ctx, base, intent)?;
+                let base = match &base.kind {
+                    NodeKind::Name(base) => self.name_thing(ctx, base, intent)?,
+                    _ => self.thing(ctx, base, intent)?,
+                };
                 match without_peripheral(&base, name) {
                     Some(own) => {
                         let thing = self.member_thing(ctx, base, &own, span)?;

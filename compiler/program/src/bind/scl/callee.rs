@@ -141,6 +141,17 @@ impl SclBinder<'_, '_> {
             && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
     }
 
+    /// True of `"Start"` alone in a chart of S7-GRAPH V5 with a step or transition of that name, whose data have no value alone: it means a
+    /// symbol that nothing defines.
+    pub(super) fn is_unknown_symbol(&self, ctx: &SclBlock, name: &Name) -> bool {
+        let folded = fold(&name.text);
+        name.form == NameForm::Quoted
+            && ctx.scope.address_numbers
+            && ctx.block.bound.locals.get(&folded).is_some_and(|local| matches!(local.ty, DataType::Struct(_)))
+            && !self.program.globals.names.constants.contains_key(&folded)
+            && self.program.globals.global(&name.text).is_none()
+    }
+
     /// The library block with the name of a function, if the program does not mean its own.
     pub fn library_function(&self, rules: Rules, name: &str) -> Option<BlockKey> {
         library_block(rules, name)
