@@ -149,7 +149,8 @@ impl Report {
             if let Some(value) = foreign_value(name).filter(|_| !quoted) {
                 return message.help(format!("write {value}"));
             }
-            if let Some(help) = register_of_stl(name).filter(|_| in_stl && !quoted && meant.is_none()) {
+            let is_result = ["BR", "BIE"].iter().any(|own| own.eq_ignore_ascii_case(name));
+            if let Some(help) = register_of_stl(name).filter(|_| in_stl && !quoted && (meant.is_none() || is_result)) {
                 return message.help(help);
             }
             if is_duration(name) {

@@ -97,7 +97,8 @@ pub(super) fn register_of_stl(name: &str) -> Option<&'static str> {
         "ACCU1" | "ACCU2" | "AKKU1" | "AKKU2" => {
             "STL has no names for the accumulators: `L` loads ACCU1 and moves its old value to ACCU2, `T` stores ACCU1"
         }
-        "RLO" | "VKE" => "STL has no name for the RLO: `=` writes it to a bit, and a jump such as `JC` tests it",
+        "RLO" => "STL has no name for the RLO: `=` writes it to a bit, and a jump such as `JC` tests it",
+        "VKE" => "STL has no name for the RLO: `=` writes it to a bit, and a jump such as `SPB` tests it",
         _ => return None,
     })
 }

@@ -5,26 +5,31 @@ use std::collections::BTreeMap;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 
 use crate::ast::{CodeBlock, OperandKind, Statement, StatementKind};
-use crate::stl::StlInsn;
+use crate::stl::{Mnemonics, StlInsn, suggest};
 
 /// Entries of the nesting stack. Source: Statement List (STL), chapter 1 (bit logic), nesting.
 const NESTING_DEPTH_MAX: usize = 7;
 /// Entries of the stack of the master control relay. Source: Statement List (STL), master control relay.
 const ZONES_MAX: usize = 8;
 
-/// Reports what is wrong in the order of statements.
-pub fn check(text: &str, block: &CodeBlock, diagnostics: &mut Vec<Diagnostic>) {
+/// Reports what is wrong in the order of statements. Messages have the mnemonics `set` of the file.
+pub fn check(text: &str, block: &CodeBlock, set: Mnemonics, diagnostics: &mut Vec<Diagnostic>) {
     let statements = || block.networks().iter().flat_map(|network| &network.statements);
     // A statement that could not be read may be a parenthesis, or the instruction of a label.
     if statements().any(|statement| statement.kind == StatementKind::Error) {
         return;
     }
-    nesting(text, statements(), diagnostics);
+    nesting(text, statements(), set, diagnostics);
     zones(statements(), diagnostics);
     labels(statements(), diagnostics);
 }
 
-fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diagnostics: &mut Vec<Diagnostic>) {
+fn nesting<'s>(
+    text: &str,
+    statements: impl Iterator<Item = &'s Statement>,
+    set: Mnemonics,
+    diagnostics: &mut Vec<Diagnostic>,
+) {
     let mut open: Vec<Span> = Vec::new();
     for statement in statements {
         let StatementKind::Instruction { insn, mnemonic_span, .. } = &statement.kind else { continue };
@@ -45,7 +50,7 @@ fn nesting<'s>(text: &str, statements: impl Iterator<Item = &'s Statement>, diag
                 diagnostics.push(
                     Diagnostic::new(Code::Nesting, span, "`)` closes a parenthesis that was never opened")
                         .label("no parenthesis is open here")
-                        .help("remove it, or open the parenthesis with e.g. `A(`"),
+                        .help(suggest::in_set("remove it, or open the parenthesis with e.g. `A(`", set)),
                 );
             }
             StlInsn::BlockEnd | StlInsn::BlockEndUnconditional | StlInsn::BlockEndConditional => {

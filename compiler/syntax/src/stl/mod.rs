@@ -120,7 +120,7 @@ fn parse_raw(
     diagnostics.append(&mut found);
     for block in &blocks {
         if let Block::Code(block) = block {
-            block_check::check(text, block, &mut diagnostics);
+            block_check::check(text, block, detected.set, &mut diagnostics);
         }
     }
     if diagnostics.iter().any(|diagnostic| diagnostic.code == Code::NotASource) {

@@ -221,7 +221,7 @@ pub fn instruction(word: &str, text: &str, follows: &str, set: Mnemonics) -> Str
 }
 
 /// A help with the mnemonics of `set` between its backquotes.
-fn in_set(help: &str, set: Mnemonics) -> String {
+pub fn in_set(help: &str, set: Mnemonics) -> String {
     let part = |(index, part): (usize, &str)| match instruction_of(part, Mnemonics::En).filter(|_| index % 2 == 1) {
         Some(insn) => insn.mnemonic(set).to_owned(),
         None => part.to_owned(),

@@ -3,7 +3,7 @@
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_model::scl::{ExprKind, Statement, StatementKind};
 use plcc_model::{LabelId, Operand, StlStatement, StlStatementKind};
-use plcc_syntax::stl::StlInsn;
+use plcc_syntax::stl::{Mnemonics, StlInsn};
 use rustc_hash::FxHashMap;
 
 use crate::bind::scl::leaves;
@@ -35,8 +35,8 @@ pub fn loops(list: &[Statement], found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Reports unconditional jumps back to a label from which every path leads to the jump.
-pub fn jumps(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
+/// Reports unconditional jumps back to a label from which every path leads to the jump. `set`: the mnemonics of the file.
+pub fn jumps(statements: &[StlStatement], set: Mnemonics, found: &mut Vec<Diagnostic>) {
     let mut labels: FxHashMap<LabelId, usize> = FxHashMap::default();
     // The last statement after which the program may go on elsewhere.
     let mut branch: Option<usize> = None;
@@ -49,8 +49,9 @@ pub fn jumps(statements: &[StlStatement], found: &mut Vec<Diagnostic>) {
             StlStatementKind::Instruction { insn, operand: Operand::Label(label) } => {
                 let from = labels.get(label).copied().filter(|_| *insn == StlInsn::Jump);
                 if from.is_some_and(|from| branch.is_none_or(|branch| branch < from)) {
-                    let help = "write a conditional jump, such as `JC`, or a jump out of the loop";
-                    found.push(message(statement.span, "every path from the label leads back to it", help));
+                    let jump = StlInsn::JumpIf.mnemonic(set);
+                    let help = format!("write a conditional jump, such as `{jump}`, or a jump out of the loop");
+                    found.push(message(statement.span, "every path from the label leads back to it", &help));
                 }
                 true
             }

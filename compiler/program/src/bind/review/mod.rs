@@ -84,7 +84,9 @@ pub fn review(program: &mut Declarations, blocks: &[CodeBlock], mains: &[BlockKe
                 stl::values(statements, &program.numbers, sources, &mut found);
                 stl::set_and_reset(statements, sources, &mut found);
                 stl::edges(statements, sources, &mut found);
-                endless::jumps(statements, &mut found);
+                let unit = program.globals.input.units.iter().find(|(file, _)| *file == block.span.file);
+                let set = unit.map(|(_, unit)| unit.mnemonics).unwrap_or_default();
+                endless::jumps(statements, set, &mut found);
                 numbers::review(statements, &program.numbers, sources, &mut found);
                 bcd::review(statements, &program.numbers, sources, &mut found);
                 opened::review(program, statements, sources, &mut found);

@@ -45,10 +45,12 @@ impl<'a> Classifier<'a, '_> {
         let end = assign.map_or(token, |assign| self.raw[assign]).end;
         let span = self.span_of(token.start as usize, end as usize);
         let word = &self.text[span.range()];
+        let help =
+            "write the block in one language: in STL, `A`, `JC` and labels replace IF, and `L` and `T` replace `:=`";
         self.report(
             Diagnostic::new(Code::ForeignLanguage, span, format!("`{word}` begins a statement of SCL, not of STL"))
                 .label("the rest of this block is not checked")
-                .help("write the block in one language: in STL, `A`, `JC` and labels replace IF, and `L` and `T` replace `:=`"),
+                .help(suggest::in_set(help, self.set)),
         );
         let start = token.start as usize;
         self.end_of_label();

@@ -341,7 +341,9 @@ impl<'a> Classifier<'a, '_> {
                         ),
                     };
                     self.report(
-                        Diagnostic::new(Code::ForeignForm, span, title).label("a form of other languages").help(help),
+                        Diagnostic::new(Code::ForeignForm, span, title)
+                            .label("a form of other languages")
+                            .help(suggest::in_set(help, self.set)),
                     );
                     return self.skip_stray();
                 }
