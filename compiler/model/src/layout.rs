@@ -272,6 +272,21 @@ fn same_structure(a: &StructType, b: &StructType) -> bool {
                 .all(|(a, b)| (a.byte, a.bit) == (b.byte, b.bit) && same_type(&a.ty, &b.ty)))
 }
 
+/// Most components of a structure that help texts list.
+const LISTED_MAX: usize = 12;
+
+/// As [`type_name`]; a structure without a name has its components.
+pub fn declared_type(ty: &DataType) -> String {
+    match ty {
+        DataType::Struct(structure) if structure.name.is_empty() && structure.members.len() <= LISTED_MAX => {
+            let components =
+                structure.members.iter().map(|member| format!("{} : {}; ", member.name, type_name(&member.ty)));
+            format!("STRUCT {}END_STRUCT", components.collect::<String>())
+        }
+        ty => type_name(ty),
+    }
+}
+
 /// The type as written in a source.
 pub fn type_name(ty: &DataType) -> String {
     match ty {

@@ -98,6 +98,10 @@ impl SclBinder<'_, '_> {
     pub fn wrong_actual(&mut self, callee: BlockKey, formal: &Parameter, is: &str, span: Span) -> Option<Actual> {
         let text = self.program.globals.text(span);
         let wanted = layout::type_name(&formal.ty);
+        let is = match &formal.ty {
+            DataType::Struct(structure) if structure.name.is_empty() && is == "of type STRUCT" => "another STRUCT",
+            _ => is,
+        };
         let help = match &formal.ty {
             DataType::Parameter(ParameterType::Any | ParameterType::Variant) => match rewrite::any_pointer(&text) {
                 Some(pointer) => format!("write `{pointer}`, or name a variable"),
@@ -106,7 +110,7 @@ impl SclBinder<'_, '_> {
                 }
             },
             DataType::Parameter(ParameterType::Pointer) => "write for example `P#M50.0`, or name a variable".into(),
-            _ => format!("name a variable of type {wanted}"),
+            ty => format!("name a variable of type {}", layout::declared_type(ty)),
         };
         self.program.report(
             Diagnostic::new(
@@ -118,7 +122,7 @@ impl SclBinder<'_, '_> {
                     self.program.globals.shown(callee)
                 ),
             )
-            .label(is.to_string())
+            .label(is)
             .help(help),
         );
         None

@@ -132,6 +132,10 @@ impl StlBinder<'_, '_> {
             Settled::Label => "a name without a meaning here".to_string(),
         };
         let wanted = layout::type_name(&formal.ty);
+        let is = match &formal.ty {
+            DataType::Struct(structure) if structure.name.is_empty() && is == wanted => format!("another {wanted}"),
+            _ => is,
+        };
         let message = Diagnostic::new(
             Code::TypeMismatch,
             span,
@@ -171,7 +175,7 @@ impl StlBinder<'_, '_> {
             (DataType::Parameter(ParameterType::Counter), _) => {
                 message.help("name a counter by its number, or a parameter of type COUNTER")
             }
-            _ => message.help(format!("name a variable of type {wanted}")),
+            (ty, _) => message.help(format!("name a variable of type {}", layout::declared_type(ty))),
         });
         None
     }
