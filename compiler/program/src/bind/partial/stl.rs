@@ -143,10 +143,14 @@ impl Look<'_, '_> {
             match insn {
                 StlInsn::Load | StlInsn::Transfer => {
                     let Some(operand) = operand else { continue };
-                    if let Some(hint) = self.operand_hint(ctx, operand) {
-                        return Some(hint);
+                    match self.operand_hint(ctx, operand) {
+                        // `L` loads the time or count of a timer or counter.
+                        Some(Hint::Cell(_)) => return Some(Hint::Width(Elementary::Word)),
+                        Some(hint) => return Some(hint),
+                        None => {}
                     }
                 }
+                StlInsn::LoadBcd if !loads => return Some(Hint::Width(Elementary::Word)),
                 _ if operand.is_none() && mnemonic.chars().next().is_some_and(|first| "+-*/<>=".contains(first)) => {
                     if let Some(hint) = of_letter(mnemonic) {
                         return Some(hint);
