@@ -58,7 +58,8 @@ impl Binder<'_> {
                         None
                     }
                 };
-                statements.extend(bound.map(|kind| Statement { span, network: network_number, kind }));
+                let addresses = std::mem::take(&mut self.addresses);
+                statements.extend(bound.map(|kind| Statement { span, network: network_number, kind, addresses }));
             }
             let next = ast.networks[position + 1..].iter().find_map(|network| network.statements.first());
             let end = next.map_or(u32::MAX, |statement| statement.span.start);

@@ -108,6 +108,8 @@ struct Binder<'a> {
     /// Rows of the symbol tables, by folded name.
     globals: FxHashMap<String, names::Global>,
     uses: whole::Uses,
+    /// What the statement that is bound takes the addresses of.
+    addresses: Vec<plcc_model::s7200::Operand>,
 }
 
 impl<'a> Binder<'a> {
@@ -121,6 +123,7 @@ impl<'a> Binder<'a> {
             by_number: FxHashMap::default(),
             globals: FxHashMap::default(),
             uses: whole::Uses::default(),
+            addresses: Vec::new(),
         }
     }
 

@@ -434,6 +434,7 @@ impl Binder<'_> {
             return self.misfit(OperandClass::StringIn, help, span);
         }
         self.check_range(direct, Width::Byte, 1, span)?;
+        self.addresses.push(place(direct, Width::Byte));
         Some(Operand::Const(u32::from(pointer::V) << 24 | direct.number & 0x00FF_FFFF))
     }
 }

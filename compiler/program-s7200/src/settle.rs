@@ -285,6 +285,7 @@ impl Binder<'_> {
                 _ => direct.width.unwrap_or(Width::Byte),
             };
             self.check_range(direct, width, 1, place.span)?;
+            self.addresses.push(operand::place(direct, width));
             return Some(Settled::Pointer(pointer));
         }
         self.push(

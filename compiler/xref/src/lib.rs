@@ -47,7 +47,7 @@ pub enum Access {
     Write,
     #[serde(rename = "RW")]
     ReadWrite,
-    /// It is passed to a block that may do either.
+    /// It is passed to a block that may do either, or its address is taken.
     #[serde(rename = "?")]
     Undecided,
     /// A block is called, or an instance is the data of a call.

@@ -123,8 +123,9 @@ impl Collector<'_> {
                 let key = BlockKey { kind: BlockKind::Sbr, number: *number };
                 self.add(Operand::Block(key), Access::Call);
                 let program = self.program;
-                let Some(Body::S7200(callee)) = program.block(key).map(|block| &block.body) else { return };
-                for (operand, parameter) in arguments.iter().zip(&callee.parameters) {
+                let callee = program.block(key).map(|block| &block.body);
+                let parameters = if let Some(Body::S7200(callee)) = callee { &callee.parameters[..] } else { &[] };
+                for (operand, parameter) in arguments.iter().zip(parameters) {
                     let access = match parameter.direction {
                         Direction::In => Access::Read,
                         Direction::InOut => Access::ReadWrite,
@@ -134,6 +135,9 @@ impl Collector<'_> {
                 }
             }
             StatementKind::Assert(_) | StatementKind::Sleep(_) => {}
+        }
+        for operand in &statement.addresses {
+            self.s7200_operand(operand, Access::Undecided, 1);
         }
     }
 
