@@ -59,28 +59,21 @@ impl Binder<'_> {
         };
         let conversion: &[Insn] = if is_other { &[] } else { conversion(insn, &forms) };
         let mut misfits = Vec::new();
-        for ((operand, form), class) in operands.iter().zip(&forms).zip(insn.operands()) {
+        for (at, ((operand, form), class)) in operands.iter().zip(&forms).zip(insn.operands()).enumerate() {
             if let (Form::Place(direct), Some(needed)) = (form, width(*class))
                 && (has_area(*class, *direct) || !conversion.is_empty())
                 && !has_width(*class, *direct)
             {
-                misfits.push((operand.span, *direct, *class, needed));
+                misfits.push((at, operand.span, *direct, *class, needed));
             }
         }
-        let Some(&(span, direct, class, needed)) = misfits.first() else { return Vec::new() };
+        let Some(&(at, span, direct, class, needed)) = misfits.first() else { return Vec::new() };
         let relatives = relatives(insn);
-        if relatives.is_empty() && conversion.is_empty() && class != OperandClass::Bit {
-            let alone = |(span, direct, class, needed): (Span, ast::Direct, OperandClass, Width)| {
-                let same = self.of_width(direct, needed, span);
-                self.width_message(class, direct, needed, span).help(format!("write {same}"))
-            };
-            return misfits.into_iter().map(alone).collect();
-        }
         let list = match operands {
             [first, .., last] => self.written(first.span.to(last.span)),
             _ => self.written(span),
         };
-        let others = relatives.into_iter().filter(|other| fits(*other, &forms));
+        let others = relatives.iter().copied().filter(|other| fits(*other, &forms));
         let mut statements: Vec<String> = others.map(|other| format!("`{} {list}`", self.mnemonic(other))).collect();
         match (conversion, operands) {
             ([only], _) => {
@@ -107,7 +100,17 @@ impl Binder<'_> {
             statements.push(format!("`{} &{list}`, which moves its address", self.mnemonic(insn)));
         }
         if statements.is_empty() {
-            return Vec::new();
+            // If no instruction that does the same has an operand of this width there, the operand is wrong.
+            let is_conversion = matches!(insn, Insn::Bti | Insn::Itb | Insn::Itd | Insn::Dti | Insn::Dtr);
+            let takes_it = |other: &Insn| other.operands().get(at).is_some_and(|class| has_width(*class, direct));
+            if class == OperandClass::Bit || !is_conversion && relatives.iter().any(takes_it) {
+                return Vec::new();
+            }
+            let alone = |(_, span, direct, class, needed): (usize, Span, ast::Direct, OperandClass, Width)| {
+                let same = self.of_width(direct, needed, span);
+                self.width_message(class, direct, needed, span).help(format!("write {same}"))
+            };
+            return misfits.into_iter().map(alone).collect();
         }
         vec![self.width_message(class, direct, needed, span).help(format!("write {}", statements.join(" or ")))]
     }
