@@ -136,6 +136,44 @@ impl Binder<'_> {
         })
     }
 
+    /// `INCW VW0, VW2`, `SLW VW0, 3, VW2`, as boxes have it: what to write for the result in another operand.
+    fn in_place(&self, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
+        let international = insn.mnemonic(Mnemonics::En);
+        let size = match insn {
+            Insn::Bcdi | Insn::Ibcd => "W",
+            _ => ["INC", "DEC", "INV", "SR", "SL", "RR", "RL"]
+                .iter()
+                .find_map(|stem| international.strip_prefix(stem))?,
+        };
+        let mov = match size {
+            "B" => Insn::MovB,
+            "W" => Insn::MovW,
+            "D" => Insn::MovD,
+            _ => return None,
+        };
+        let is_place =
+            |operand: &ast::Operand| !matches!(operand.kind, ast::OperandKind::Constant(_) | ast::OperandKind::Error);
+        let (input, result, count) = match operands {
+            [input, result] => (input, result, None),
+            [input, result, count] if !is_place(count) => (input, result, Some(count)),
+            [input, count, result] => (input, result, Some(count)),
+            _ => return None,
+        };
+        if !is_place(result) || insn.operands().len() != 1 + usize::from(count.is_some()) {
+            return None;
+        }
+        let (name, mov) = (self.mnemonic(insn), self.mnemonic(mov));
+        let (input, result) = (self.written(input.span), self.written(result.span));
+        let count = count.map(|count| format!(", {}", self.written(count.span))).unwrap_or_default();
+        Some(if input.eq_ignore_ascii_case(&result) {
+            format!("write `{name} {input}{count}`: the first operand is also the result")
+        } else {
+            format!(
+                "write `{mov} {input}, {result}`, then `{name} {result}{count}`: the first operand is also the result"
+            )
+        })
+    }
+
     /// `INCW VW0, 2`: what to write to add another number than 1.
     fn counted_by(&self, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
         let [place, number] = operands else { return None };
@@ -238,10 +276,11 @@ impl Binder<'_> {
                     let (and, or) = (self.mnemonic(Insn::AndNot), self.mnemonic(Insn::OrNot));
                     format!("write `{and} {written}` or `{or} {written}`")
                 }
-                _ => match self.three_operands(insn, operands).or_else(|| self.counted_by(insn, operands)) {
-                    Some(help) => help,
-                    None => format!("remove it: {}", self.form(insn)),
-                },
+                _ => self
+                    .three_operands(insn, operands)
+                    .or_else(|| self.in_place(insn, operands))
+                    .or_else(|| self.counted_by(insn, operands))
+                    .unwrap_or_else(|| format!("remove it: {}", self.form(insn))),
             };
             self.push(
                 Diagnostic::new(Code::SurplusOperand, surplus.span, title)
