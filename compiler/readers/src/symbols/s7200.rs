@@ -1,6 +1,7 @@
 //! Rows for the S7-200: names for addresses such as `VW100`, for constants and for blocks. The binding reads the address.
 //!
-//! Micro/WIN copies rows as `symbol TAB address TAB comment`; tables kept by hand also use `,` and `;`.
+//! Micro/WIN copies rows as `symbol TAB address TAB comment`, with empty cells before them for the columns of its marks; tables kept by
+//! hand also use `,` and `;`.
 //! Source: S7-200 system manual, symbol table.
 
 use plcc_diag::Span;
@@ -31,8 +32,7 @@ fn is_constant(text: &str) -> bool {
 /// A row begins with a name that is not a mnemonic, and an address follows. A header may come first, and some rows may be wrong.
 pub fn separator(text: &str) -> Option<char> {
     SEPARATORS.into_iter().find(|separator| {
-        let rows =
-            || text.lines().map(|line| line.trim_matches(['\u{feff}', ' '])).filter(|line| is_row_of_table(line));
+        let rows = || text.lines().map(|line| cells(line).trim_end_matches(' ')).filter(|line| is_row_of_table(line));
         let is_row = |line: &&str| row(line, *separator).is_some();
         // What most sources fail comes first, and looks at two lines.
         if !rows().take(2).any(|line| is_row(&line)) {
@@ -45,6 +45,11 @@ pub fn separator(text: &str) -> Option<char> {
             .any(|(_, address)| s7200::parse_address(address).is_some() || s7200::parse_block(address).is_some());
         addressed && good * 2 > all && !rows().any(begins_statement)
     })
+}
+
+/// The line without the empty cells before the first one that has a text.
+fn cells(line: &str) -> &str {
+    line.trim_start_matches(['\u{feff}', ' ', '\t'])
 }
 
 fn is_row_of_table(line: &str) -> bool {
@@ -84,19 +89,19 @@ impl Reader<'_> {
         let text = self.text;
         let mut first = true;
         for (start, line) in lines(text) {
-            let bare = line.trim_matches(['\u{feff}', ' ', '\t']);
-            if !is_row_of_table(bare) {
+            let cells = cells(line);
+            if !is_row_of_table(cells.trim_end_matches([' ', '\t'])) {
                 continue;
             }
             let header = std::mem::take(&mut first);
-            let mut fields = line.splitn(3, separator);
+            let mut fields = cells.splitn(3, separator);
             let (name, address) = (fields.next().unwrap_or_default(), fields.next().unwrap_or_default());
             let comment = fields.next().unwrap_or_default().trim().trim_matches('"').to_string();
             if header && !is_address(address) && parse_address(address).is_none() {
                 continue;
             }
             // `row` reports addresses that only S7-300 has.
-            self.row(start, line, name.trim().trim_start_matches('\u{feff}').trim_matches('"'), address, "", &comment);
+            self.row(start, line, name.trim().trim_matches('"'), address, "", &comment);
         }
     }
 

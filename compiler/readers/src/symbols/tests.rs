@@ -120,6 +120,12 @@ fn tables_for_the_s7_200() {
     );
     let german = "\"Symbol\",\"Adresse\",\"Kommentar\"\n\"Motor\",\"A0.0\",\"Pumpe\"\n\"Level\",\"VW100\",\"\"\n";
     assert_eq!(rows_of_s7200(german), [row("Motor", "A0.0", ""), row("Level", "VW100", "")]);
+    for head in ["\t\tSymbol\tAddress\tComment\n", ""] {
+        assert_eq!(
+            rows_of_s7200(&format!("{head}\t\tMotor\tQ0.0\tpump\n\t\tLevel\tVW100\t\n")),
+            [row("Motor", "Q0.0", "pump"), row("Level", "VW100", "")]
+        );
+    }
     // Both families can read these.
     let (table, _) = parse(FileId(0), &SourceFile::new("table", "Key\tI0.0\t\nLamp\tM1.5\t\n"));
     assert_eq!((table.symbols.len(), table.s7200.len()), (2, 2));
@@ -139,6 +145,8 @@ fn programs_are_no_tables() {
         "",
         "L 1; T MW 2; BE\n",
         "LD\tI0.0\nA\tI0.1\n",
+        "\tLD\tI0.0\n\tA\tI0.1\n",
+        "\tU\tE0.0\n\tSPB\tM001\n\tTAR1\tMD20\n",
         "VW0 1\nSpeed\t5, 6\n",
         "Speed, 5\n",
         "TON\tT37, 50\nMOVW\tVW0, VW2\n",
