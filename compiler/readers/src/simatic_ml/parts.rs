@@ -348,7 +348,9 @@ fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Re
     }
     let is_case = part.row().is_some_and(|row| row.kind == Kind::Switch);
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-    if key == TemplateKey::Other && !is_case && !OTHER_TEMPLATES.iter().any(|known| known.eq_ignore_ascii_case(stem)) {
+    let is_known = TemplateKey::of(stem) != TemplateKey::Other
+        || OTHER_TEMPLATES.iter().any(|known| known.eq_ignore_ascii_case(stem));
+    if !is_known && !is_case {
         let span = reader.span(head(node));
         let title = format!("{whose} contains the setting `{name}` of an element, which plcc does not know");
         let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("has no effect");

@@ -133,8 +133,10 @@ impl Builder<'_, '_> {
     /// Warns of a misspelt key or type of a template: the types would follow from the operands in its place.
     fn check_template(&mut self, key: &str, value: &str, span: Span) {
         const KEYS: [&str; 5] = ["SrcType", "DestType", "Card", "value_type", "time_type"];
+        // `SrcType1` and `SrcType2` of EXPT.
         let known = |name: &str| {
-            TemplateKey::of(name) != TemplateKey::Other
+            let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+            TemplateKey::of(stem) != TemplateKey::Other
                 || KEYS.iter().chain(OTHER_TEMPLATES).any(|known| known.eq_ignore_ascii_case(name))
         };
         let types = || plcc_syntax::Elementary::ALL.iter().map(|ty| ty.name());
@@ -144,17 +146,18 @@ impl Builder<'_, '_> {
             let upper = name.to_ascii_uppercase();
             plcc_syntax::Elementary::from_word(&upper).is_some() || OTHERS.contains(&upper.as_str())
         };
-        let meant = match (known(key), is_type(value)) {
-            (false, _) => distance::nearest(key, KEYS.into_iter()).map(|meant| (key, meant)),
-            (true, false) => distance::nearest(value, types()).map(|meant| (value, meant)),
-            (true, true) => None,
+        let (written, meant) = match (known(key), is_type(value)) {
+            (false, _) => (key, distance::nearest(key, KEYS.into_iter())),
+            (true, false) => (value, distance::nearest(value, types())),
+            (true, true) => return,
         };
-        let Some((written, meant)) = meant else { return };
-        self.report(
-            Diagnostic::new(Code::AttributeValue, span, format!("`{written}` is not known in `S7_Templates`"))
-                .label("has no effect")
-                .help(format!("is `{meant}` meant?")),
-        );
+        let help = match meant {
+            Some(meant) => format!("is `{meant}` meant?"),
+            None if !known(key) => "check whether the element works as intended without it".to_owned(),
+            None => return,
+        };
+        let title = format!("`{written}` is not known in `S7_Templates`");
+        self.report(Diagnostic::new(Code::AttributeValue, span, title).label("has no effect").help(help));
     }
 
     /// `SrcType := Int`, `[SrcType := Int, DestType := Real]`
