@@ -18,7 +18,7 @@ use super::place::{Db, Root, Spot, Thing};
 use super::value::Value;
 use crate::bind::declarations::path;
 use crate::bind::globals::names::kind_prefix;
-use crate::bind::scl::message::DEPTH_MAX;
+use crate::bind::scl::message::{DEPTH_MAX, start_of_cell};
 use crate::bind::scl::{SclBinder, SclBlock};
 
 impl SclBinder<'_, '_> {
@@ -62,6 +62,7 @@ impl SclBinder<'_, '_> {
                         format!("this function has no value: give it a type, as in `FUNCTION {text} : Int`")
                     }
                     None if is_this => "a block of this kind has no value: assign to one of its outputs".to_string(),
+                    None if let Thing::Cell { kind, .. } = thing => start_of_cell(kind, &text),
                     None => "name a variable or an address such as `MW10`".to_string(),
                 };
                 let title = format!("`{text}` is not a variable");

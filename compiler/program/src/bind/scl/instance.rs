@@ -56,7 +56,7 @@ impl SclBinder<'_, '_> {
         let (ty, instance) = match self.quiet_block(ctx, base) {
             Some((prefix @ (BlockPrefix::Fb | BlockPrefix::Sfb), number)) => {
                 let key = BlockKey { kind: code_kind(prefix)?, number };
-                return self.instance_db(key, name);
+                return self.instance_db(key, name, node.span);
             }
             Some((BlockPrefix::Db, number)) => match self.program.data.db_type(number) {
                 Some(ty) => (ty, Instance::Db(number)),
@@ -260,8 +260,8 @@ impl SclBinder<'_, '_> {
         None
     }
 
-    /// The instance data block after a function block: `FB10.DB20`, `"Motor"."Motor 3"`.
-    fn instance_db(&mut self, key: BlockKey, name: &Name) -> Option<Callee> {
+    /// The instance data block after a function block: `FB10.DB20`, `"Motor"."Motor 3"`. `call`: both names.
+    fn instance_db(&mut self, key: BlockKey, name: &Name, call: Span) -> Option<Callee> {
         let block =
             block_of_name(name).unwrap_or_else(|| BlockName::Symbol { name: name.text.clone(), span: name.span });
         let (prefix, number) = self.program.globals.block_number(&block)?;
@@ -272,7 +272,7 @@ impl SclBinder<'_, '_> {
             );
             return None;
         }
-        if self.program.interface(key, name.span).is_some() {
+        if self.program.interface(key, call).is_some() {
             self.program.check_instance_db(key, number, name.span)?;
         }
         Some(Callee::Block { key, instance: Some(Instance::Db(number)) })

@@ -2,6 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::Elementary;
+use plcc_syntax::ast::CellKind;
 
 use super::scope::Scope;
 use super::value::Value;
@@ -211,6 +212,14 @@ pub(super) fn in_two_steps(rules: Rules, from: Elementary, to: Elementary, text:
     Some(format!("convert it in two steps: {}", conversion(middle, to, first.trim_matches('`'))))
 }
 
+/// How a timer or counter is used, where it stands for a variable or a block.
+pub(super) fn start_of_cell(kind: CellKind, text: &str) -> String {
+    match kind {
+        CellKind::Timer => format!("a timer is started by a function, as in `S_ODT(T_NO := {text}, S := …, TV := …)`"),
+        CellKind::Counter => format!("a counter counts by a function, as in `S_CU(C_NO := {text}, CU := …)`"),
+    }
+}
+
 /// A description of a value, for messages: `of type INT`, `a block`.
 pub fn described(value: &Value) -> String {
     match value {
@@ -225,8 +234,8 @@ pub fn described(value: &Value) -> String {
         },
         Value::Complex { ty, .. } => format!("of type {}", layout::type_name(ty)),
         Value::Parameter { access, .. } => format!("of type {}", layout::type_name(&access.ty)),
-        Value::Cell { kind: plcc_syntax::ast::CellKind::Timer, .. } => "a timer".to_string(),
-        Value::Cell { kind: plcc_syntax::ast::CellKind::Counter, .. } => "a counter".to_string(),
+        Value::Cell { kind: CellKind::Timer, .. } => "a timer".to_string(),
+        Value::Cell { kind: CellKind::Counter, .. } => "a counter".to_string(),
         Value::Block { prefix, .. } => format!("a block ({})", prefix.letters()),
         Value::Nothing(_) | Value::Statements(..) => "a call without a value".to_string(),
     }

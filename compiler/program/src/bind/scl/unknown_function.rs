@@ -3,12 +3,13 @@
 use plcc_binding::report::known_type;
 use plcc_binding::{fold, similar};
 use plcc_diag::Code;
-use plcc_syntax::ast::BlockPrefix;
+use plcc_syntax::ast::{BlockPrefix, CellKind};
 use plcc_syntax::scl::ast::{Name, NameForm};
 use plcc_syntax::symbols::SymbolTarget;
 
 use crate::bind::globals::names::Global;
 use crate::bind::scl::SclBinder;
+use crate::bind::scl::message::start_of_cell;
 
 impl SclBinder<'_, '_> {
     /// Reports a function that neither the program nor the language has.
@@ -17,6 +18,18 @@ impl SclBinder<'_, '_> {
             return;
         }
         let (folded, span) = (fold(&name.text), name.span);
+        if !self.program.globals.input.partial
+            && let Some(kind) = cell(name)
+        {
+            let help = start_of_cell(kind, &name.text);
+            let title = format!("`{}` cannot be called", name.text);
+            let label = match kind {
+                CellKind::Timer => "a timer",
+                CellKind::Counter => "a counter",
+            };
+            self.refuse(Code::OperandKind, span, &title, label, &help);
+            return;
+        }
         if plcc_stdlib::LIBRARY.iter().any(|block| fold(block.name) == folded) {
             self.program.globals.unknown_name(&name.text, name.span, std::iter::empty());
             return;
@@ -65,6 +78,17 @@ impl SclBinder<'_, '_> {
             }
         };
         self.program.globals.report.missing_function(&name.text, name.span, meant, false);
+    }
+}
+
+/// The timer or counter that a name without quotes is: `T1`, `C5`, `Z5`.
+fn cell(name: &Name) -> Option<CellKind> {
+    let number = name.text.get(1..).filter(|_| name.form == NameForm::Bare)?;
+    let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    match name.text.as_bytes()[0] {
+        b'T' | b't' if is_number => Some(CellKind::Timer),
+        b'C' | b'c' | b'Z' | b'z' if is_number => Some(CellKind::Counter),
+        _ => None,
     }
 }
 
