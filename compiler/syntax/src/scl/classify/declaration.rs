@@ -108,6 +108,13 @@ impl<'a> Classifier<'a, '_> {
                     None => break,
                 },
             };
+            if kind == SectionKind::Temp && text.eq_ignore_ascii_case("RETAIN") {
+                self.report(
+                    Diagnostic::new(Code::Tolerated, self.span(word), "temporary data is not kept")
+                        .label("has no effect")
+                        .help("remove it, or declare the variables in `VAR RETAIN` of a function block"),
+                );
+            }
             count += 1;
         }
         self.at += count;

@@ -1,5 +1,5 @@
 //! Declarations of other languages: `POINTER TO INT`, `speed AT %MW10 : INT;`, `ARRAY[1..3] OF INT := (1, 2, 3)`. And `low, high INT;`,
-//! `belt speed : INT;`.
+//! `belt speed : INT;`, `speed RETAIN : INT;`.
 
 use super::{Edit, Repair};
 use crate::Elementary;
@@ -14,11 +14,37 @@ const LIST_MAX: usize = 300;
 impl Repair<'_> {
     /// A part of a declaration that another language has.
     pub(super) fn foreign_declaration(&mut self, token: RawToken) -> bool {
-        self.pointer_to(token)
+        self.retain_of_variable(token)
+            || self.pointer_to(token)
             || self.address_of_variable(token)
             || self.list_in_parentheses(token)
             || self.list_without_colon(token)
             || self.name_with_blank(token)
+    }
+
+    /// `speed RETAIN : INT;`, `speed : INT RETAIN;`
+    fn retain_of_variable(&mut self, token: RawToken) -> bool {
+        let (first, at) = (self.statement, self.at);
+        let word = self.slice(token).to_ascii_uppercase();
+        let is_retain = token.kind == RawKind::Word && matches!(word.as_str(), "RETAIN" | "NON_RETAIN");
+        let name = self.words(first, first);
+        if !is_retain || at <= first || self.kind(first) != Some(RawKind::Word) || is_option(name) {
+            return false;
+        }
+        let next = self.kind(at + 1);
+        let after_name = at == first + 1 && next == Some(RawKind::Colon);
+        let after_type = at > first + 2
+            && self.kind(first + 1) == Some(RawKind::Colon)
+            && matches!(self.kind(at - 1), Some(RawKind::Word | RawKind::Quoted | RawKind::RightBracket))
+            && matches!(next, Some(RawKind::Semicolon | RawKind::Assign));
+        if !after_name && !after_type {
+            return false;
+        }
+        let title = format!("{word} is for a section, not for one variable");
+        let help = format!("declare `{name}` in a section `VAR {word}`");
+        self.report(at, at + 1, title, "a form of other languages", help);
+        self.drop_tokens(at, at + 1);
+        true
     }
 
     /// `low, high INT;` without `:`.
@@ -55,7 +81,6 @@ impl Repair<'_> {
 
     /// `belt speed : INT;`
     fn name_with_blank(&mut self, token: RawToken) -> bool {
-        const OPTIONS: [&str; 4] = ["RETAIN", "NON_RETAIN", "CONSTANT", "PERSISTENT"];
         let at = self.at;
         let is_name = |token: RawToken| token.kind == RawKind::Word && token.keyword.is_none();
         let Some(next) = self.beside(at + 1).filter(|next| is_name(*next)) else { return false };
@@ -64,7 +89,8 @@ impl Repair<'_> {
             || !token.first_on_line
             || at != self.statement
             || self.kind(at + 2) != Some(RawKind::Colon)
-            || OPTIONS.iter().any(|option| option.eq_ignore_ascii_case(first))
+            || is_option(first)
+            || ["RETAIN", "NON_RETAIN"].iter().any(|word| word.eq_ignore_ascii_case(second))
             || Elementary::from_word(&first.to_ascii_uppercase()).is_some()
         {
             return false;
@@ -168,4 +194,9 @@ impl Repair<'_> {
         self.at = close + 1;
         true
     }
+}
+
+/// A word after VAR that says something about the section.
+fn is_option(word: &str) -> bool {
+    ["RETAIN", "NON_RETAIN", "CONSTANT", "PERSISTENT"].iter().any(|option| option.eq_ignore_ascii_case(word))
 }
