@@ -373,6 +373,17 @@ impl Repair<'_> {
         if !known || !inside || token.keyword.is_some() || self.starts(token) || self.is_declared(word) {
             return false;
         }
+        // `ABS[#i]`
+        let upper = word.to_ascii_uppercase();
+        let converts = upper.split_once("_TO_").is_none_or(|(from, _)| Elementary::from_word(from).is_some());
+        let close = self.closing(at + 1).filter(|_| converts && self.kind(at + 1) == Some(RawKind::LeftBracket));
+        if let Some(close) = close.filter(|close| *close > at + 2) {
+            let help = format!("write `{word}({})`", self.words(at + 2, close - 1));
+            let title = format!("the argument of `{word}` is written in parentheses");
+            self.report(at, close + 1, title, "`[ ]` is for elements of arrays", help);
+            self.replace(at, close + 1, RawKind::Reported, None);
+            return true;
+        }
         // `ABS -5`
         let sign = self.beside(at + 1).is_some_and(|sign| sign.kind == RawKind::Minus && self.adjacent(at + 1));
         let first = if sign && !self.adjacent(at) { at + 2 } else { at + 1 };
@@ -384,7 +395,9 @@ impl Repair<'_> {
         let argument = self.words(at + 1, after - 1).to_owned();
         let title = format!("the argument of `{word}` is written in brackets");
         self.report(at, after, title, "brackets are missing", format!("write `{word}({argument})`"));
-        self.replace(at, after, RawKind::Reported, None);
+        // `ABS #i)`
+        let closed = self.brackets.is_empty() && self.kind(after) == Some(RawKind::RightParen);
+        self.replace(at, after + usize::from(closed), RawKind::Reported, None);
         true
     }
 

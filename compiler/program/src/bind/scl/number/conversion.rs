@@ -76,6 +76,13 @@ impl SclBinder<'_, '_> {
         if let [Given { output: false, value: Some(value), .. }] = given {
             return Some(value);
         }
+        let text = self.program.globals.text(span);
+        let name = text.split('(').next().unwrap_or_default().trim_end();
+        let first = given.first().and_then(|first| first.value.as_ref());
+        let help = match first.map(|value| self.program.globals.text(value.span)).filter(|_| given.len() > 1) {
+            Some(value) if !name.is_empty() => format!("write `{name}({value})`"),
+            _ => "write the value in parentheses after the name".to_owned(),
+        };
         self.program.report(
             Diagnostic::new(
                 if given.len() > 1 { Code::SurplusOperand } else { Code::MissingParameter },
@@ -83,7 +90,7 @@ impl SclBinder<'_, '_> {
                 "this function needs one value",
             )
             .label(format!("{} arguments are given", given.len()))
-            .help("write the value in parentheses after the name"),
+            .help(help),
         );
         self.note_arguments(ctx, given);
         None
