@@ -69,11 +69,18 @@ impl Binder<'_> {
         if has_enable {
             arguments.push(Some(Operand::Const(1)));
         }
+        let complete = actuals.len() + left_out == wanted;
+        let told = self.report.diagnostics.len();
         for (formal, actual) in formals.parameters().skip(left_out).zip(actuals) {
             arguments.push(self.argument(locals, formal, actual));
         }
+        if !complete {
+            // Operands after one that is missing belong to other parameters.
+            let misfits = [Code::OperandKind, Code::LiteralRange, Code::Protected];
+            let arguments = self.report.diagnostics.split_off(told);
+            self.report.diagnostics.extend(arguments.into_iter().filter(|message| !misfits.contains(&message.code)));
+        }
         let arguments: Option<Vec<Operand>> = arguments.into_iter().collect();
-        let complete = actuals.len() + left_out == wanted;
         let arguments = arguments.filter(|arguments| arguments.len() == wanted && complete)?;
         Some(StatementKind::Call { number, arguments })
     }
@@ -84,9 +91,14 @@ impl Binder<'_> {
         }
         let told = self.report.diagnostics.len();
         let bound = self.argument_of_type(locals, formal, actual);
-        // The messages name the parameter.
+        // The messages name the parameter, and no instruction.
         for message in self.report.diagnostics.iter_mut().skip(told) {
+            message.title = message.title.replace("the instruction needs", "the subroutine needs");
             message.title.push_str(&format!(", parameter `{}`", formal.name));
+            let help = message.help.as_deref().and_then(|help| help.strip_prefix("use the instruction for "));
+            if let Some((_, operand)) = help.and_then(|help| help.split_once(", or ")) {
+                message.help = Some(format!("name {operand}"));
+            }
         }
         bound
     }
