@@ -44,6 +44,9 @@ pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
         let (block, number) = (&state.text[*block..*block_end], &state.text[*at_start..*at_end]);
         return Some(format!("write `{block}.{letters} {number}`, where the number counts bytes"));
     }
+    if let Some(help) = of_operand(state, insn, tokens, (*at_start, at, *at_end), before) {
+        return Some(help);
+    }
     // `A [MD 20]`
     if matches!(tokens, [.., (_, Tok::Insn(_), _), (_, Tok::LeftBracket, _)]) {
         let area = if matches!(insn, StlInsn::Load | StlInsn::Transfer) { "MW" } else { "M" };
@@ -87,6 +90,50 @@ pub fn of(state: &State, index: usize, first: &Spanned) -> Option<String> {
                 "-" => Some(format!("write `+ {long}-{number}` on the next line")),
                 _ => None,
             }
+        }
+        _ => None,
+    }
+}
+
+/// `MW [10]`, `MW #i`, `IX 0.0`, `5 ms`, `M 0.0:`; `before`: what is written between the mnemonic and the token.
+fn of_operand(
+    state: &State,
+    insn: StlInsn,
+    tokens: &[Spanned],
+    (start, at, end): (usize, &Tok, usize),
+    before: &str,
+) -> Option<String> {
+    let here = state.text.get(start..end)?;
+    let mnemonic = insn.mnemonic(state.rules);
+    let is_number = !here.is_empty() && here.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    match (tokens, at) {
+        ([.., (_, Tok::Insn(_), _), (area, Tok::Area(..), area_end), (_, Tok::LeftBracket, _)], _) if is_number => {
+            Some(format!("write `{mnemonic} {} {here}`", &state.text[*area..*area_end]))
+        }
+        ([.., (_, Tok::Insn(_), _), (area, Tok::Area(..), area_end)], Tok::Local(_) | Tok::Name(_)) => {
+            let (area, name) = (&state.text[*area..*area_end], here.trim_start_matches('#'));
+            Some(format!("write `{mnemonic} {area} [#{name}]`: the variable is a DWORD with a pointer such as P#10.0"))
+        }
+        ([.., (_, Tok::Insn(_), _), (_, Tok::Name(word), _)], _)
+            if is_number && here.contains('.') && !matches!(insn, StlInsn::Load | StlInsn::Transfer) =>
+        {
+            let letter = word
+                .strip_suffix(['X', 'x'])
+                .filter(|letter| ["I", "Q", "M", "E", "A"].iter().any(|known| known.eq_ignore_ascii_case(letter)))?;
+            Some(format!("write `{mnemonic} {letter} {here}`"))
+        }
+        ([.., (_, Tok::Insn(StlInsn::Load), _), (number, Tok::Literal(_), number_end)], Tok::Name(unit)) => {
+            let unit = unit.to_ascii_uppercase();
+            let number = &state.text[*number..*number_end];
+            let is_time = matches!(unit.as_str(), "MS" | "S" | "M" | "H") && number.parse::<u32>().is_ok();
+            is_time.then(|| {
+                format!("write `{mnemonic} S5T#{number}{unit}` for a timer of the CPU, `{mnemonic} T#{number}{unit}` for a TIME")
+            })
+        }
+        // The number of the bit is missing.
+        ([.., (_, Tok::Area(_, Width::Bit), _), (_, Tok::Address(_), _)], Tok::Colon) => None,
+        ([.., (_, last, _)], Tok::Colon) if forms::is_operand_end(last) => {
+            Some(format!("a statement ends with `;`: write `{mnemonic} {before};`"))
         }
         _ => None,
     }

@@ -7,7 +7,7 @@ use plcc_diag::{Code, Diagnostic};
 use crate::Elementary;
 use crate::front::{ParseState, Place};
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{Mnemonics, form_help, forms, mnemonics, start_values, suggest};
+use crate::stl::{Mnemonics, StlInsn, form_help, forms, mnemonics, start_values, suggest};
 
 /// State of a parse of STL, with the mnemonic set of the file.
 pub type State<'a> = ParseState<'a, Tok<'a>, Mnemonics>;
@@ -312,10 +312,30 @@ fn statement_error(state: &State, index: usize, at: Option<&Spanned>, before: Op
             let label = before.and_then(|(start, _, end)| state.text.get(*start..*end)).unwrap_or("…");
             format!("write `{} {label}`: only the label itself has a `:`", insn.mnemonic(state.rules))
         }
-        Some(Tok::Jump(insn)) => format!("`{}` takes a label", insn.mnemonic(state.rules)),
+        Some(Tok::Jump(insn)) => {
+            let jump = insn.mnemonic(state.rules);
+            match jump_on_bit(state, at, before) {
+                Some(bit) => {
+                    format!(
+                        "write `{} {bit}` on the line before, and a label after `{jump}`",
+                        StlInsn::And.mnemonic(state.rules)
+                    )
+                }
+                None => format!("`{jump}` takes a label"),
+            }
+        }
         _ => "a statement is: label `:`, mnemonic, operand, and `;` or the end of the line".to_owned(),
     };
     message(state, at, before, Code::Syntax, "statement").help(help)
+}
+
+/// `M 0.0` after a jump, in place of a label.
+fn jump_on_bit<'a>(state: &'a State, at: Option<&Spanned>, before: Option<&Spanned>) -> Option<&'a str> {
+    let ((start, _, area_end), (number, _, end)) = (before?, at?);
+    let (area, number) = (state.text.get(*start..*area_end)?, state.text.get(*number..*end)?);
+    let is_area = ["I", "Q", "M", "E", "A", "L"].iter().any(|known| known.eq_ignore_ascii_case(area));
+    let is_bit = number.contains('.') && number.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    (is_area && is_bit).then(|| &state.text[*start..*end])
 }
 
 fn parameter_error(state: &State, at: Option<&Spanned>, before: Option<&Spanned>) -> Diagnostic {
