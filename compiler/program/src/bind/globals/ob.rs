@@ -12,6 +12,9 @@ use crate::bind::globals::Globals;
 use crate::bind::globals::sources::CodeSource;
 use crate::bind::trees::blocks::class_attribute;
 
+/// OBs of CPUs for technology and of S7-400H, which have no class here.
+const RARE: [u16; 2] = [65, 73];
+
 impl Globals<'_> {
     /// The classes of the program's OBs: from plc.toml, otherwise from their attributes.
     pub fn ob_classes(&mut self) {
@@ -36,6 +39,9 @@ impl Globals<'_> {
                     && self.input.profile.family.is_portal()
                 {
                     self.not_started(number, class, block.name.span());
+                }
+                if number < OB_FREE && ObClass::of_number(number).is_none() && !RARE.contains(&number) {
+                    self.unknown_number(number, block.name.span());
                 }
                 continue;
             };
@@ -82,6 +88,16 @@ impl Globals<'_> {
         )
         .label("compiled, but never called")
         .help("call its blocks in a cyclic OB if the program needs them");
+        message.severity = Severity::Warning;
+        self.report.push(message);
+    }
+
+    /// An OB whose number has no event on any CPU.
+    fn unknown_number(&mut self, number: u16, span: Span) {
+        let title = format!("nothing starts OB {number}: no event has this number");
+        let mut message = Diagnostic::new(Code::BlockFrame, span, title)
+            .label("compiled, but never called")
+            .help("OB 1 runs in each cycle, OB 30 to OB 38 at intervals, OB 100 once at the start; put anything else into an FC");
         message.severity = Severity::Warning;
         self.report.push(message);
     }
