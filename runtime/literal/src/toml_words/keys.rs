@@ -48,7 +48,7 @@ pub fn unknown(what: &str, plural: &str, name: &str, known: &[&str]) -> Wrong {
 }
 
 /// Other words for keys and values.
-const MEANT: [(&str, &str); 23] = [
+const MEANT: [(&str, &str); 32] = [
     ("at", "time"),
     ("wait", "time"),
     ("after", "time"),
@@ -72,6 +72,15 @@ const MEANT: [(&str, &str); 23] = [
     ("OB100", "warm"),
     ("OB101", "hot"),
     ("OB102", "cold"),
+    ("decimal", "dec"),
+    ("hexadecimal", "hex"),
+    ("binary", "bin"),
+    ("int", "dec"),
+    ("float", "real"),
+    ("floating_point", "real"),
+    ("simatic_time", "s5time"),
+    ("character", "char"),
+    ("string", "char"),
 ];
 
 fn first_letter(name: &str) -> Option<u8> {

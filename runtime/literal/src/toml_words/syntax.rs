@@ -154,9 +154,15 @@ pub fn syntax(message: &str, place: &str, line: &str) -> Wrong {
             );
         }
         if let Some((key, value)) = line.split_once(':') {
+            // `cpu: 1214C # of the press`
+            let value = value.trim();
+            let is_text = value.starts_with(['"', '\'', '[', '{']);
+            let value = if is_text { value } else { value.split(" #").next().unwrap_or_default().trim() };
+            let is_value = is_text || matches!(value, "true" | "false") || value.parse::<f64>().is_ok();
+            let quote = if is_value { "" } else { "\"" };
             return wrong(
                 "a key and its value are joined by `=`",
-                format!("write `{} = {}`", key.trim(), value.trim()),
+                format!("write `{} = {quote}{value}{quote}`", key.trim()),
             );
         }
         // `cpu "s7-300"`

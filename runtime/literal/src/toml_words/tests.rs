@@ -181,6 +181,8 @@ fn numbers_below_a_heading_and_ports_are_told() {
 fn proposes_what_is_meant() {
     let languages = "unknown variant `german`, expected `en` or `de`";
     same(languages, "", "`german` is not a value here", "write `de`");
+    let formats = "unknown variant `decimal`, expected one of `bool`, `bin`, `hex`, `dec`, `date`";
+    same(formats, "", "`decimal` is not a value here", "write `dec`");
     let missing = "`=` is missing between the key and its value";
     same("key with no value, expected `=`", "cpu \"s7-300\"", missing, "write `cpu = \"s7-300\"`");
     let joined = "a key and its value are joined by `=`";
@@ -237,6 +239,9 @@ fn tells_the_form_in_plain_words() {
         "a key and its value are joined by `=`",
         "write `name = \"x\"`",
     );
+    let joined = "a key and its value are joined by `=`";
+    same("key with no value, expected `=`", "cpu: 1214C", joined, "write `cpu = \"1214C\"`");
+    same("key with no value, expected `=`", "watchdog: 150 # ms", joined, "write `watchdog = 150`");
     same(quotes, "cpu = “315-2DP”", "a text is written in quotation marks", "write `cpu = \"315-2DP\"`");
     let round = "a list is written in brackets";
     same(quotes, "sources = (\"a.stl\")", round, "write `sources = [\"a.stl\"]`");
