@@ -84,6 +84,7 @@ pub(super) fn foreign_value(name: &str) -> Option<&'static str> {
     Some(match name.to_ascii_lowercase().as_str() {
         "on" | "yes" => "`TRUE`",
         "off" | "no" => "`FALSE`",
+        "pi" => "`3.1415927`, or declare a constant of that value",
         "none" | "nil" | "nullptr" => "NULL for a reference, FALSE for a BOOL, 0 for a number",
         _ => return None,
     })

@@ -10,7 +10,7 @@ use crate::bind::scl::{SclBinder, SclBlock};
 use plcc_binding::fold;
 
 /// Functions of other languages, and what a program of a PLC does instead.
-const FUNCTIONS: [(&[&str], &str); 22] = [
+const FUNCTIONS: [(&[&str], &str); 23] = [
     (
         &["printf", "print", "println", "puts", "echo", "writeln", "write", "cout"],
         "a PLC has no console: assign the value to a variable, and watch it in a watch table or in the trace",
@@ -22,6 +22,10 @@ const FUNCTIONS: [(&[&str], &str); 22] = [
     (
         &["malloc", "alloc", "free", "new", "append", "push"],
         "memory of a PLC is fixed: declare an ARRAY with the most elements that you need",
+    ),
+    (
+        &["now", "time", "millis", "gettime", "gettickcount"],
+        "date and time are read by `RD_SYS_T`, in STEP 7 V5 by `READ_CLK`, milliseconds since the start by `TIME_TCK()`",
     ),
     (&["pow", "power", "expt"], "write the operator `**`, as in `a ** b`"),
     (

@@ -254,7 +254,12 @@ impl SclBinder<'_, '_> {
                 let text = self.program.globals.text(node.span);
                 let meant = rewrite::of_constant(Elementary::Int, &text, rewrite::Form::Scl);
                 let whole = meant.filter(|help| !help.contains("rounded"));
-                let help = whole.unwrap_or_else(|| "convert it to INT or DINT".to_string());
+                let help = whole.unwrap_or_else(|| match &other {
+                    Value::Elementary(expr) if matches!(expr.ty, Elementary::Real | Elementary::Lreal) => {
+                        format!("write {}", message::conversion(expr.ty, Elementary::Int, &text))
+                    }
+                    _ => "convert it to INT or DINT".to_string(),
+                });
                 self.wrong_type(node.span, &is, "an integer", Some(help));
                 None
             }

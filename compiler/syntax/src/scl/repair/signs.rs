@@ -60,7 +60,7 @@ impl Repair<'_> {
                     || self.comma_between_assignments()
             }
             RawKind::DotDot => self.open_range(),
-            RawKind::LeftBracket => self.list_of_values(),
+            RawKind::LeftBracket => self.empty_index() || self.list_of_values(),
             RawKind::LeftBrace => self.index_in_braces(),
             kind if is_comparison(kind) && (self.half_comparison(token) || self.compared_case(token)) => true,
             RawKind::Equal

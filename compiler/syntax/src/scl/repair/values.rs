@@ -1,4 +1,5 @@
-//! Values and targets of other languages: `a S= b`, `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, `a[1]:P`, and `1..:` in CASE.
+//! Values and targets of other languages: `a S= b`, `a SHL 2`, `a := IF c THEN 1 ELSE 2`, `a IN [1, 2]`, `a, b := 1`, `++a`, `a[1]:P`, `a[]`, and
+//! `1..:` in CASE.
 
 use plcc_diag::{Code, Diagnostic, Span};
 
@@ -21,6 +22,8 @@ impl Repair<'_> {
             && (self.chosen_value(token)
                 || self.if_of_c(token)
                 || self.membership(token)
+                || self.shift_in_words(token)
+                || self.hexadecimal_without_base(token)
                 || self.operator_of_queries(token)
                 || self.set_or_reset(token))
     }
@@ -254,6 +257,62 @@ impl Repair<'_> {
         };
         self.report(at, at + 1, "a statement ends with `;`".to_owned(), "read as `;`", help);
         self.replace(at, at + 1, RawKind::Semicolon, None);
+        true
+    }
+
+    /// `a SHL 2`
+    fn shift_in_words(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let word = self.slice(token).to_ascii_uppercase();
+        let known = matches!(word.as_str(), "SHL" | "SHR" | "ROL" | "ROR") && !token.first_on_line;
+        if !known || !self.last.is_some_and(ends_operand) || !self.beside(at + 1).is_some_and(begins_operand) {
+            return false;
+        }
+        let (left, right) = self.sides(at, at + 1);
+        let title = format!("`{word}` is a function, not an operator");
+        let help = format!("write `{word}(IN := {left}, N := {right})`");
+        self.report(at, at + 1, title, "a form of other languages", help);
+        if self.head.is_some() {
+            self.replace(at, at + 1, RawKind::Plus, None);
+        } else {
+            self.give_up(self.end_of_statement(at));
+        }
+        true
+    }
+
+    /// `W#FF`
+    fn hexadecimal_without_base(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let width = self.slice(token).to_ascii_uppercase();
+        let next = self.token(at + 1).filter(|next| next.kind == RawKind::Local && self.adjacent(at));
+        let digits = next.map_or("", |next| self.slice(next).trim_start_matches('#'));
+        let is_number = !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+        let is_width = matches!(width.as_str(), "B" | "W" | "DW" | "BYTE" | "WORD" | "DWORD");
+        if !is_number || !is_width || self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let help = format!("write `{width}#16#{}`", digits.to_ascii_uppercase());
+        self.report(at, at + 2, "a hexadecimal number begins with `16#`".to_owned(), "not a number of SCL", help);
+        self.replace(at, at + 2, RawKind::Reported, None);
+        true
+    }
+
+    /// `a[]`
+    pub(super) fn empty_index(&mut self) -> bool {
+        let at = self.at;
+        if self.kind(at + 1) != Some(RawKind::RightBracket) || !self.last.is_some_and(ends_operand) {
+            return false;
+        }
+        let first = self.operand_start(at);
+        let operand = self.words(first, at - 1);
+        let help = format!("write `{operand}[1]` for an element, `{operand}` for the whole array");
+        let title = "the number of the element is missing".to_owned();
+        self.report(at, at + 2, title, "nothing is between the brackets", help);
+        if first == self.statement {
+            self.give_up(self.end_of_statement(at));
+        } else {
+            self.replace(first, at + 2, RawKind::Reported, None);
+        }
         true
     }
 
