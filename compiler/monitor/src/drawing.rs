@@ -332,27 +332,39 @@ impl Drawing {
         }
         for (line, column, anchor, place) in &self.values {
             let Some(value) = status.operand_at(*place) else { continue };
-            let value = text(value);
-            let column = anchor.begin(*column, &value);
-            write_free(&mut rows[*line], column, &value);
+            write_free(&mut rows[*line], *column, *anchor, &text(value));
         }
         rows.into_iter().map(|cells| pieces(&cells)).collect()
     }
 }
 
-/// Writes a value where nothing else is.
-fn write_free(cells: &mut Vec<(char, Tone)>, column: i32, value: &str) {
-    for (at, letter) in (0..).zip(value.chars()) {
-        let Ok(column) = usize::try_from(column.saturating_add(at)) else { continue };
-        if column >= COLUMNS_MAX {
-            return;
+/// Writes a value where nothing else is; of one with more characters than there is room for the first ones.
+fn write_free(cells: &mut Vec<(char, Tone)>, point: i32, anchor: Anchor, value: &str) {
+    let is_free = |column: i32| {
+        let place = usize::try_from(column).ok().filter(|place| *place < COLUMNS_MAX);
+        place.is_some_and(|place| cells.get(place).is_none_or(|cell| cell.0 == ' '))
+    };
+    let width = value.chars().count() as i32;
+    let before = || (1..=width).take_while(|n| is_free(point.saturating_sub(*n))).count() as i32;
+    let after = || (0..width).take_while(|n| is_free(point.saturating_add(*n))).count() as i32;
+    let (left, right) = match anchor {
+        Anchor::Start => (0, after()),
+        Anchor::Middle => (before(), after()),
+        Anchor::End => (before(), 0),
+    };
+    let shown = width.min(left + right);
+    let first = match anchor {
+        Anchor::Start => point,
+        Anchor::Middle => (point - shown / 2).clamp(point - left, point + right - shown),
+        Anchor::End => point - shown,
+    };
+    for (column, letter) in (first..first + shown).zip(value.chars()) {
+        let Ok(place) = usize::try_from(column) else { continue };
+        if cells.len() <= place {
+            cells.resize(place + 1, (' ', Tone::Plain));
         }
-        if cells.len() <= column {
-            cells.resize(column + 1, (' ', Tone::Plain));
-        }
-        if cells[column].0 == ' ' {
-            cells[column] = (letter, Tone::Value);
-        }
+        let is_cut = shown < width && column + 1 == first + shown;
+        cells[place] = (if is_cut { '…' } else { letter }, Tone::Value);
     }
 }
 
@@ -413,5 +425,28 @@ impl Heights {
     fn line(&self, height: i32) -> usize {
         let after = self.0.partition_point(|(known, _)| *known <= height);
         after.checked_sub(1).map_or(0, |at| self.0[at].1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_without_room_ends_early() {
+        let shown = |line: &str, point: i32, anchor: Anchor, value: &str| {
+            let mut cells: Vec<(char, Tone)> = line.chars().map(|letter| (letter, Tone::Plain)).collect();
+            write_free(&mut cells, point, anchor, value);
+            cells.into_iter().map(|(letter, _)| letter).collect::<String>()
+        };
+        assert_eq!(shown("     │", 5, Anchor::End, "12"), "   12│");
+        assert_eq!(shown("     │", 5, Anchor::End, "16#DEADBEEF"), "16#D…│");
+        assert_eq!(shown("   │      │", 10, Anchor::End, "-2147483648"), "   │-2147…│");
+        assert_eq!(shown("│", 2, Anchor::Start, "-2147483648"), "│ -2147483648");
+        assert_eq!(shown("│    │", 2, Anchor::Start, "T#1s500ms"), "│ T#…│");
+        assert_eq!(shown("│     │", 3, Anchor::Middle, "16#7F"), "│16#7F│");
+        assert_eq!(shown("││", 1, Anchor::Middle, "1"), "││");
+        assert_eq!(shown("", i32::MIN, Anchor::Start, "1"), "");
+        assert_eq!(shown("", i32::MAX, Anchor::Middle, "1"), "");
     }
 }
