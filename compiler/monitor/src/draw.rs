@@ -6,7 +6,7 @@ mod block;
 
 use plcc_abi::services::Role;
 use ratatui::Frame;
-use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::layout::{Constraint, Flex, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Cell, List, ListItem, ListState, Paragraph, Row, Table, TableState};
@@ -97,6 +97,10 @@ fn program(model: &Model, frame: &mut Frame, area: Rect) {
 }
 
 fn watch(model: &Model, frame: &mut Frame, area: Rect) {
+    let widths = [Constraint::Length(1), Constraint::Percentage(45), Constraint::Percentage(40), Constraint::Min(6)];
+    // As the table divides what is inside its frame.
+    let inner = Rect::new(0, 0, area.width.saturating_sub(2), 1);
+    let [_, _, room, _] = Layout::horizontal(widths).flex(Flex::Start).spacing(1).areas(inner);
     let row = |name: &String| {
         let forced = model.forced.iter().any(|forced| forced.name == *name);
         let (value, ty, style) = match model.values.get(name) {
@@ -113,7 +117,7 @@ fn watch(model: &Model, frame: &mut Frame, area: Rect) {
         Row::new([
             Cell::new(if forced { "F" } else { "" }).style(Style::new().fg(Color::Yellow)),
             Cell::new(name.clone()),
-            Cell::new(Line::from(vec![Span::styled(value, style), arrow])),
+            Cell::new(Line::from(vec![Span::styled(shortened(value, room.width.into()), style), arrow])),
             Cell::new(ty).style(Style::new().fg(Color::DarkGray)),
         ])
     };
@@ -121,12 +125,23 @@ fn watch(model: &Model, frame: &mut Frame, area: Rect) {
         Some(name) => format!("watch table {name}"),
         None => "watch table".to_string(),
     };
-    let widths = [Constraint::Length(1), Constraint::Percentage(45), Constraint::Percentage(40), Constraint::Min(6)];
     let table = Table::new(model.watched.iter().map(row), widths)
         .block(frame_of(model, Part::Watch, &title))
         .row_highlight_style(CURSOR);
     let selected = (model.part == Part::Watch).then(|| model.row(Part::Watch));
     frame.render_stateful_widget(table, area, &mut TableState::default().with_selected(selected));
+}
+
+/// A text of at most so many columns; a longer one ends with `…`.
+fn shortened(mut text: String, columns: usize) -> String {
+    if Span::raw(text.as_str()).width() <= columns {
+        return text;
+    }
+    while !text.is_empty() && Span::raw(text.as_str()).width() >= columns {
+        text.pop();
+    }
+    text.push('…');
+    text
 }
 
 fn diagnostics(model: &Model, frame: &mut Frame, area: Rect) {

@@ -137,6 +137,16 @@ fn the_reason_of_a_wrong_row_is_shown_as_a_whole() {
 }
 
 #[test]
+fn a_value_that_is_too_long_says_so() {
+    let mut model = model("look");
+    let text = "DTL#2026-02-28-12:13:14.567890123".to_string();
+    let value = (0, Shown { text, ty: "DTL".to_string(), bits: 96 });
+    model.take(Incoming::News(Box::new(News { list: Some(1), values: vec![value], ..News::default() })));
+    let picture = picture(&model);
+    assert!(picture.contains(" DTL#2026-02-28-12:13:… DTL "), "{picture}");
+}
+
+#[test]
 fn keys_that_need_a_role_say_so_before_they_ask() {
     let mut model = model("look");
     let _ = model.orders().count();
