@@ -6,7 +6,7 @@ use std::rc::Rc;
 use plcc_runtime::RunOptions;
 use plcc_runtime::options::{ClockKind, parse_duration};
 use plcc_runtime::tape::Recording;
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 /// The arguments of `launch`.
@@ -21,39 +21,64 @@ pub struct Launch {
     pub recording: Option<Rc<Recording>>,
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-struct Arguments {
-    program: Option<PathBuf>,
-    #[serde(default)]
-    stop_on_entry: bool,
-    cycles: Option<u64>,
-    cycle_time: Option<String>,
-    #[serde(default)]
-    set: Vec<String>,
-    scenario: Option<PathBuf>,
-    watch_table: Option<PathBuf>,
-    #[serde(default)]
-    stop_on_error: bool,
-    replay: Option<PathBuf>,
-}
-
 impl Launch {
-    /// Reads the arguments. `Err`: the error.
+    /// Reads the arguments; keys of other programs may be among them. `Err`: the error.
     pub fn read(arguments: &Value) -> Result<Launch, String> {
-        let given: Arguments =
-            serde_json::from_value(arguments.clone()).map_err(|error| format!("the launch configuration: {error}"))?;
+        let file = "the path of a file";
+        let cycle_time: Option<String> = given(arguments, "cycleTime", "a time such as \"10ms\"")?;
+        let cycle_time = cycle_time.as_deref().map(parse_duration).transpose();
         let options = RunOptions {
-            cycles: given.cycles,
+            cycles: given(arguments, "cycles", "a whole number, from 0 on")?,
             clock: ClockKind::Virtual,
-            cycle_time: given.cycle_time.as_deref().map(parse_duration).transpose()?,
-            set: given.set,
-            scenario: given.scenario,
-            watch_table: given.watch_table,
-            stop_on_error: given.stop_on_error,
+            cycle_time: cycle_time.map_err(|error| format!("`cycleTime` in the launch configuration: {error}"))?,
+            set: given(arguments, "set", "a list of texts such as [\"I0.0=1\"]")?.unwrap_or_default(),
+            scenario: given(arguments, "scenario", file)?,
+            watch_table: given(arguments, "watchTable", file)?,
+            stop_on_error: given(arguments, "stopOnError", "true or false")?.unwrap_or_default(),
             ..RunOptions::default()
         };
-        let (program, stop_on_entry, replay) = (given.program, given.stop_on_entry, given.replay);
-        Ok(Launch { program, stop_on_entry, options, replay, recording: None })
+        Ok(Launch {
+            program: given(arguments, "program", "the path of a project, a folder or a file")?,
+            stop_on_entry: given(arguments, "stopOnEntry", "true or false")?.unwrap_or_default(),
+            options,
+            replay: given(arguments, "replay", file)?,
+            recording: None,
+        })
+    }
+}
+
+/// The value of a key; `None`: it is not given. `Err`: it is something else than what is expected.
+fn given<T: DeserializeOwned>(arguments: &Value, key: &str, expected: &str) -> Result<Option<T>, String> {
+    match arguments.get(key) {
+        None | Some(Value::Null) => Ok(None),
+        Some(value) => serde_json::from_value(value.clone())
+            .map(Some)
+            .map_err(|_| format!("`{key}` in the launch configuration is {expected}, not {value}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn what_is_wrong_names_its_key() {
+        for (arguments, message) in [
+            (json!({"cycles": -1}), "`cycles` in the launch configuration is a whole number, from 0 on, not -1"),
+            (
+                json!({"set": "I0.0=1"}),
+                "`set` in the launch configuration is a list of texts such as [\"I0.0=1\"], not \"I0.0=1\"",
+            ),
+            (json!({"stopOnEntry": 1}), "`stopOnEntry` in the launch configuration is true or false, not 1"),
+            (json!({"cycleTime": 10}), "`cycleTime` in the launch configuration is a time such as \"10ms\", not 10"),
+        ] {
+            assert_eq!(Launch::read(&arguments).map(|_| ()), Err(message.to_string()), "{arguments}");
+        }
+        let error = Launch::read(&json!({"cycleTime": "soon"})).map(|_| ()).unwrap_err();
+        assert!(error.starts_with("`cycleTime` in the launch configuration: `soon` is not a time"), "{error}");
+        let launch = Launch::read(&json!({"cycles": 5, "name": "a key of the client", "replay": null})).unwrap();
+        assert_eq!((launch.options.cycles, launch.stop_on_entry, launch.replay), (Some(5), false, None));
     }
 }
