@@ -3,7 +3,7 @@
 use plcc_abi::layout;
 use plcc_runtime::address::{Address, Place, Width};
 use plcc_runtime::cpu::Cpu;
-use plcc_runtime::signal::Value;
+use plcc_runtime::signal::{Source, Value};
 use plcc_runtime::typed::{self, ValueType};
 
 use crate::breakpoint::When;
@@ -81,8 +81,23 @@ impl Looked {
             Looked::Memory(Range { offset, bit, ty: Some(ty), .. }) => {
                 Value::at(&cpu.memory, offset, bit.unwrap_or(0), ty).text()
             }
-            Looked::Memory(_) | Looked::Cell(_) => shown(bytes),
+            Looked::Memory(_) => shown(bytes),
+            Looked::Cell(address) => {
+                let source = cell_name(address.place).and_then(|name| Source::find(&name, &cpu.image, None).ok());
+                source.map_or_else(|| shown(bytes), |source| source.read(cpu, None).text())
+            }
         }
+    }
+}
+
+/// The name of a timer or counter, or of its value; `None`: it is neither.
+fn cell_name(place: Place) -> Option<String> {
+    match place {
+        Place::Timer(number) => Some(format!("T{number}")),
+        Place::TimerValue(number) => Some(format!("T{number}.VALUE")),
+        Place::Counter(number) => Some(format!("C{number}")),
+        Place::CounterValue(number) => Some(format!("C{number}.VALUE")),
+        _ => None,
     }
 }
 
