@@ -34,20 +34,26 @@ const signals = columns.map((name, i) => {
   const known = values.filter((v) => v !== null);
   let low = Infinity, high = -Infinity;
   for (const v of known) { low = Math.min(low, v); high = Math.max(high, v); }
-  return { name: name + (units[i] ? " in " + units[i] : ""), texts, values, bit, text: !known.length, low, high };
+  const unit = texts.some((t) => /^(?:L?T|S5T)#/.test(t)) ? " s" : "";
+  return { name: name + (units[i] ? " in " + units[i] : ""), texts, values, bit, text: !known.length, low, high, unit };
 });
-const LEFT = 190, RIGHT = 20, TOP = 26;
+// On a small screen there is less room for names.
+const RIGHT = 20, TOP = 26;
+let LEFT = 190;
 let from = times[0], to = Math.max(times[times.length - 1], from + 1), cursors = [null, null], wanted = "";
 const shown = () => signals.filter((s) => s.name.toLowerCase().includes(wanted));
 const height = (s) => (s.bit || s.text ? 26 : 90);
+const isDark = matchMedia("(prefers-color-scheme:dark)");
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 const X = (t) => LEFT + ((t - from) / (to - from)) * (canvas.clientWidth - LEFT - RIGHT);
 const T = (x) => from + ((x - LEFT) / (canvas.clientWidth - LEFT - RIGHT)) * (to - from);
 const row = (t) => { let a = 0, b = times.length; while (a < b) { const m = (a + b) >> 1; if (times[m] <= t) a = m + 1; else b = m; } return Math.max(0, a - 1); };
-function step(span) { const raw = span / 8, base = 10 ** Math.floor(Math.log10(raw)); return [1, 2, 5, 10].map((f) => f * base).find((s) => s >= raw); }
+function step(span) { const raw = span / Math.max(2, Math.min(8, (canvas.clientWidth - LEFT) / 70)), base = 10 ** Math.floor(Math.log10(raw)); return [1, 2, 5, 10].map((f) => f * base).find((s) => s >= raw); }
 function draw() {
   const list = shown(), ratio = devicePixelRatio || 1;
   const total = TOP + list.reduce((h, s) => h + height(s) + 6, 0) + 10, width = canvas.clientWidth;
+  LEFT = Math.min(190, Math.round(width * 0.3));
+  const letters = Math.floor((LEFT - 8) / 6.5);
   canvas.style.height = total + "px";
   canvas.width = width * ratio; canvas.height = total * ratio;
   c.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -65,14 +71,16 @@ function draw() {
   list.forEach((g, k) => {
     const h = height(g);
     c.fillStyle = ink; c.textAlign = "right";
-    c.fillText(g.name.length > 28 ? g.name.slice(0, 27) + "…" : g.name, LEFT - 8, y + Math.min(h / 2, 20) + 4);
+    c.fillText(g.name.length > letters ? g.name.slice(0, letters - 1) + "…" : g.name, LEFT - 8, y + Math.min(h / 2, 20) + 4);
     c.save(); c.beginPath(); c.rect(LEFT, y - 2, width - LEFT - RIGHT, h + 4); c.clip();
-    c.strokeStyle = c.fillStyle = `hsl(${(k * 67 + 210) % 360} 65% 48%)`; c.lineWidth = 1.5;
+    c.strokeStyle = c.fillStyle = `hsl(${(k * 67 + 210) % 360} 65% ${isDark.matches ? 66 : 42}%)`; c.lineWidth = 1.5;
     if (g.text) {
       c.textAlign = "left";
       for (let i = first; i <= last; i++) if (i === first || g.texts[i] !== g.texts[i - 1]) { c.fillText(g.texts[i], Math.max(X(times[i]), LEFT) + 3, y + 17); c.fillRect(X(times[i]), y + 4, 1, 18); }
     } else {
-      const low = g.bit ? 0 : g.low, high = g.bit ? 1 : g.high, span = high - low || 1;
+      // A number that stays the same is in the middle.
+      const same = !g.bit && g.low === g.high, room = same ? Math.max(0.5, Math.abs(g.low) / 1e6) : 0;
+      const low = g.bit ? 0 : g.low - room, high = g.bit ? 1 : g.high + room, span = high - low;
       const Y = (v) => y + h - 4 - ((v - low) / span) * (h - 8);
       c.beginPath();
       let pen = false, before = null;
@@ -86,7 +94,12 @@ function draw() {
       if (pen) c.lineTo(X(to), Y(before));
       c.stroke();
       if (g.bit) { c.globalAlpha = 0.2; for (let i = first; i <= last; i++) if (g.values[i] === 1) c.fillRect(X(times[i]), y + 4, X(i + 1 < times.length ? times[i + 1] : to) - X(times[i]), h - 8); c.globalAlpha = 1; }
-      else { c.fillStyle = muted; c.textAlign = "left"; c.fillText(+g.high.toPrecision(6), LEFT + 4, y + 10); c.fillText(+g.low.toPrecision(6), LEFT + 4, y + h - 2); }
+      else {
+        const text = (v) => +v.toPrecision(6) + g.unit;
+        c.fillStyle = muted; c.textAlign = "left";
+        if (same) c.fillText(text(g.low), LEFT + 4, Y(g.low) - 4);
+        else { c.fillText(text(g.high), LEFT + 4, y + 10); c.fillText(text(g.low), LEFT + 4, y + h - 2); }
+      }
     }
     c.restore();
     y += h + 6;
@@ -123,6 +136,6 @@ onmouseup = (e) => {
 canvas.ondblclick = () => { from = times[0]; to = Math.max(times[times.length - 1], from + 1); cursors = [null, null]; draw(); };
 $("#search").oninput = (e) => { wanted = e.target.value.toLowerCase(); draw(); };
 onresize = draw;
-matchMedia("(prefers-color-scheme:dark)").onchange = draw;
+isDark.onchange = draw;
 draw();
 });

@@ -10,7 +10,8 @@ const SCRIPT: &str = include_str!("page.js");
 pub fn head(title: &str) -> String {
     let title = title.replace('&', "&amp;").replace('<', "&lt;");
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
          </head>\n<body>\n<header><h1>{title}</h1><input id=\"search\" type=\"search\" placeholder=\"Signals\"><span id=\"hint\">wheel: \
          zoom, drag: move, click: cursor A, shift and click: cursor B, double click: all</span></header>\n<canvas></canvas>\n<div \
          id=\"cursors\"></div>\n<script>\n{SCRIPT}</script>\n<script id=\"samples\" type=\"text/csv\">\n"
@@ -43,6 +44,14 @@ impl<W: Write> Write for Samples<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_page_fits_a_small_screen() {
+        let page = head("a <b>");
+        let viewport =
+            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>a &lt;b></title>\n";
+        assert!(page.contains(viewport), "{page}");
+    }
 
     #[test]
     fn no_value_ends_the_script() {
