@@ -332,6 +332,15 @@ async def subscriptions(client):
         await level.write_value(value, V.Int16)
         await asyncio.sleep(0.2)
     assert [value for name, value in handler.seen if name == '"Level"'][-2:] == [77, 95], handler.seen
+    # More values may wait than at first.
+    more = ua.MonitoringParameters(ClientHandle=1000, SamplingInterval=50, QueueSize=5, DiscardOldest=True)
+    request = ua.ModifyMonitoredItemsParameters(
+        SubscriptionId=subscription.subscription_id,
+        TimestampsToReturn=ua.TimestampsToReturn.Both,
+        ItemsToModify=[ua.MonitoredItemModifyRequest(band, more)],
+    )
+    results = await client.uaclient.modify_monitored_items(request)
+    assert [result.RevisedQueueSize for result in results] == [5], results
     await subscription.unsubscribe(band)
     for path in ['"Values"."aString"', '"Values"."aBool"', '"Groups"."one"']:
         await refused(ua.StatusCodes.BadFilterNotAllowed, subscription.deadband_monitor(node(client, path), 10))

@@ -80,6 +80,7 @@ impl Subscriptions {
         let (id, times, asked) = read(reader).ok_or(status::DECODING)?;
         check_count(asked.len())?;
         check_times(times)?;
+        let mut kept = self.kept();
         let subscription = self.list.get_mut(&id).ok_or(status::SUBSCRIPTION_INVALID)?;
         out.u32(asked.len() as u32);
         for (item, parameters) in asked {
@@ -102,8 +103,13 @@ impl Subscriptions {
                 Ok((filter, item)) => {
                     item.handle = parameters.handle;
                     item.interval = parameters.interval(subscription.interval);
-                    // An item does not get more room than it has: the room of all is limited.
-                    item.set_room(parameters.room().min(item.room));
+                    let (room, others) = (item.room, kept - item.kept());
+                    item.set_room(parameters.room());
+                    // The room of all items is limited: without more of it the item keeps its own.
+                    if others + item.kept() > OPCUA_KEPT_MAX {
+                        item.set_room(room);
+                    }
+                    kept = others + item.kept();
                     item.discard_oldest = parameters.discard_oldest;
                     (item.trigger, item.deadband) = filter;
                     item.times = times;
