@@ -166,7 +166,8 @@ impl Transport {
             if self.partial.len() > MESSAGE_MAX {
                 return Err(Broken);
             }
-            if tpdu[2] & LAST != 0 {
+            // Some CPUs keep a connection alive by packets without data, which are no messages.
+            if tpdu[2] & LAST != 0 && !self.partial.is_empty() {
                 self.messages.push_back(std::mem::take(&mut self.partial));
             }
         }
@@ -211,6 +212,15 @@ mod tests {
             assert_eq!(other.work(&mut input, 1), Ok(()));
         }
         assert_eq!(other.messages, [message]);
+    }
+
+    #[test]
+    fn packets_without_data_are_no_messages() {
+        let mut transport = Transport::new(10);
+        let empty = packet(&[2, DATA, LAST]);
+        let packets = [&empty[..], &packet(&[2, DATA, 0, 1, 2]), &packet(&[2, DATA, 0]), &empty, &empty];
+        assert_eq!(transport.work(&mut packets.concat(), 5), Ok(()));
+        assert_eq!(transport.messages, [vec![1u8, 2]]);
     }
 
     #[test]
