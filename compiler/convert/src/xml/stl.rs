@@ -220,10 +220,14 @@ impl Maker<'_, '_, '_> {
         let is_fb = instance.is_some();
         let is_own = self.library.blocks.contains_key(&name.to_lowercase());
         let types = if is_own { Vec::new() } else { self.types(call) };
-        // `CALL TON, #wait`: data of the type IEC_TIMER does not say which instruction has it.
+        // `CALL TON, #wait`, `CALL "TON", #wait`: data of the type IEC_TIMER does not say which instruction has it.
         let is_bare = matches!(&call.target.kind, OperandKind::Path(Path { root: PathRoot::Bare { .. }, .. }));
+        let is_local = |own: &Operand| {
+            matches!(&own.kind, OperandKind::Path(Path { root: PathRoot::Local { .. } | PathRoot::Bare { .. }, .. }))
+        };
+        let has_shared_data = !is_own && SHARED_DATA.iter().any(|known| known.eq_ignore_ascii_case(&name));
         let is_instruction = match &call.instance {
-            Some(_) => is_bare || !types.is_empty(),
+            Some(own) => is_bare || !types.is_empty() || (has_shared_data && is_local(own)),
             // The type of a multi-instance is that of its declaration.
             None => instance.is_none() && !types.is_empty(),
         };
@@ -453,6 +457,9 @@ fn is_type(word: &str) -> bool {
     let others = ["STRING", "WSTRING", "DT", "DATE_AND_TIME", "DTL", "VARIANT"];
     Elementary::from_word(&upper).is_some() || others.contains(&upper.as_str())
 }
+
+/// Instructions whose instances may be of the type IEC_TIMER or IEC_COUNTER.
+const SHARED_DATA: [&str; 7] = ["TP", "TON", "TOF", "TONR", "CTU", "CTD", "CTUD"];
 
 /// The relation of T_COMP or S_COMP: `relation := EQ`.
 fn is_relation(name: &str) -> bool {

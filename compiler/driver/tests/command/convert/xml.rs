@@ -457,6 +457,14 @@ fn names_of_instructions_with_shared_data_stay() {
     let folder = folder_with(&[]);
     done(&folder, &["convert", &export, "--to", "xml", "-o", "a.xml"]);
     expect_passed(&folder, &["a.xml"], 4);
+    // SCL becomes calls with the name in quotes.
+    let quoted = "//@ cpu s7-1500\nFUNCTION_BLOCK \"Delay\"\nVERSION : 0.1\nVAR\n  own : IEC_TIMER;\nEND_VAR\nBEGIN\nNETWORK\n      \
+                  CALL  \"TP\", #own (IN := TRUE, PT := T#5S);\n//@ assert #own.Q == 1\n      NOP   0;\nEND_FUNCTION_BLOCK\n\
+                  DATA_BLOCK \"Delay_DB\" \"Delay\"\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK \"Main\"\nVERSION : 0.1\nBEGIN\n\
+                  NETWORK\n      CALL  \"Delay\", \"Delay_DB\";\nEND_ORGANIZATION_BLOCK\n";
+    write(&folder, "quoted.stl", quoted);
+    done(&folder, &["convert", "quoted.stl", "--to", "xml", "-o", "quoted.xml"]);
+    expect_passed(&folder, &["quoted.xml", "--cpu", "s7-1500"], 1);
 }
 
 /// Calls of instances in data blocks, in structures and in arrays.
