@@ -276,8 +276,7 @@ impl<'a> Maker<'a> {
         self.check_cpu();
         let span = self.tree.name.span();
         if self.body.sets_flag {
-            let help = "without them: leave out the attribute that sets OK or ENO, and do not read it";
-            self.refuse(span, "OK and ENO that follow the errors of operations", help);
+            self.refuse_flag();
         }
         let value = self.tree.return_type.as_ref().map(|ty| &ty.kind);
         if matches!(value, Some(ast::TypeKind::String(Some(_)) | ast::TypeKind::WideString(Some(_)))) {
@@ -286,6 +285,12 @@ impl<'a> Maker<'a> {
         }
         self.check_chart();
         self.refused = false;
+    }
+
+    /// Errors of operations change OK or ENO of the block.
+    fn refuse_flag(&mut self) {
+        let help = "without them: leave out the attribute that sets OK or ENO, and do not read it";
+        self.refuse(self.tree.name.span(), "OK and ENO that follow the errors of operations", help);
     }
 
     /// Variables that hold for the whole block, and what they start with.

@@ -51,6 +51,12 @@ impl Maker<'_> {
             }
         }
         let typed = self.body;
+        // Only a block whose errors set its ENO does not end with a value for it.
+        let is_scl = body.networks.iter().all(|network| matches!(network.content, Content::Scl(_)));
+        let last = typed.statements.last().map(|last| &last.kind);
+        if is_scl && last.is_some_and(|last| !matches!(last, StatementKind::SetFlag(_))) {
+            self.refuse_flag();
+        }
         // To those of an S7-1500, copies are added with the statements of all networks.
         let mut has_copies = !self.is_classic_cpu() || typed.inputs_in_place;
         let mut br = None;
@@ -82,7 +88,7 @@ impl Maker<'_> {
         made
     }
 
-    fn is_classic_cpu(&self) -> bool {
+    pub(super) fn is_classic_cpu(&self) -> bool {
         matches!(self.program.profile.family, Family::S7300 | Family::S7400)
     }
 

@@ -464,6 +464,28 @@ fn instances_that_stl_does_not_have_are_refused_where_they_are_declared() {
     }
 }
 
+/// SIMATIC SD has blocks in SCL as networks. Those that become STL leave the BR alone, and errors cannot set it there.
+#[test]
+fn calls_in_scl_have_the_eno_of_networks() {
+    let source = |settings: &str| {
+        format!(
+            "{settings}FUNCTION Divide : Int\n    VAR_INPUT\n        a : Int;\n    END_VAR\n    {{ S7_Language := \"SCL\" }}\n    NETWORK\n        \
+             #Divide := 10 / #a;\n    END_NETWORK\nEND_FUNCTION\nORGANIZATION_BLOCK Main\n    VAR_TEMP\n        n : Int;\n        \
+             fine : Bool;\n    END_VAR\n    {{ S7_Language := \"SCL\" }}\n    NETWORK\n        #n := \"Divide\"(a := 5, ENO => #fine);\n        \
+             //@ assert #fine == TRUE\n        #n := \"Divide\"(a := 0, ENO => #fine);\n        //@ assert #fine == TRUE\n    \
+             END_NETWORK\nEND_ORGANIZATION_BLOCK\n"
+        )
+    };
+    let folder = folder_with(&[("a.s7dcl", &source(""))]);
+    write(&folder, "b.s7dcl", &source("{ S7_SetENOAutomatically := \"TRUE\" }\n"));
+    done(&folder, &["convert", "a.s7dcl", "--to", "stl", "--cpu", "s7-1500", "-o", "a.stl"]);
+    expect_passed(&folder, &["a.stl", "--cpu", "s7-1500"], 2);
+    let made = plcc(&folder, &["convert", "b.s7dcl", "--to", "stl", "--cpu", "s7-1500", "-o", "b.stl"]);
+    let said = text(&made.stderr);
+    assert_eq!(made.status.code(), Some(3), "{said}");
+    assert!(said.contains("STL has no form for OK and ENO that follow the errors of operations"), "{said}");
+}
+
 /// Tag tables say the types of their constants, too.
 #[test]
 fn constants_of_tag_tables_have_types() {
