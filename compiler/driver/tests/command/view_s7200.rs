@@ -71,3 +71,21 @@ fn steps_labels_and_returns_have_the_names_of_micro_win() {
     ];
     assert_eq!(shown, expected);
 }
+
+/// Micro/WIN writes a rung that leads to an input of a box as the assignment to a bit from L60.0 to L63.7.
+#[test]
+fn rungs_lead_to_the_inputs_of_a_call() {
+    let network = |rungs: &str| format!("NETWORK\nLD SM0.0\n= L60.0\n{rungs}LD L60.0\nCALL Motor, L63.7, 5, Q1.0\n");
+    let rungs = ["LD I0.0\nAN I0.1\n= L63.7\n", "LD I0.0\n= L63.7\n= Q0.0\n"].map(network).concat();
+    let main = format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n{rungs}END_ORGANIZATION_BLOCK\n");
+    let motor = "SUBROUTINE_BLOCK Motor:SBR3\nVAR_INPUT\nGo:BOOL;\nSpeed:INT;\nEND_VAR\nVAR_OUTPUT\nRuns:BOOL;\nEND_VAR\n\
+                 BEGIN\nNETWORK\nLD #Go\nAW> #Speed, 0\n= #Runs\nEND_SUBROUTINE_BLOCK\n";
+    let shown = texts(&[("main.awl", main.as_str()), ("motor.awl", motor)], 2);
+    let has = |network: usize, text: &str| shown[network].iter().any(|shown| shown == text);
+    for text in ["SM0.0", "I0.0", "I0.1", "Motor", "EN", "Go", "5", "Q1.0"] {
+        assert!(has(0, text), "{text} in {shown:?}");
+    }
+    assert!(!has(0, "L60.0") && !has(0, "L63.7"), "{shown:?}");
+    // An assignment to a bit that is not at the end of its rung is one of the program.
+    assert!(!has(1, "L60.0") && has(1, "L63.7") && has(1, "Q0.0"), "{shown:?}");
+}

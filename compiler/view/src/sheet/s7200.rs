@@ -1,8 +1,9 @@
 //! Networks of the S7-200 as rungs. The logic stack has spans of parts: `LD` begins one, `A` goes on, `O` is beside it, `ALD` and `OLD`
 //! join two, `LPS` begins a branch.
 
-use plcc_syntax::s7200::ast::{Operand, Statement, StatementKind};
-use plcc_syntax::s7200::{Acts, Insn, OperandClass};
+use plcc_syntax::ast::Width;
+use plcc_syntax::s7200::ast::{Area, Direct, Operand, OperandKind, Statement, StatementKind};
+use plcc_syntax::s7200::{Acts, Compare, Contact, Insn, OperandClass};
 use plcc_syntax::stl::Mnemonics;
 
 use super::rungs::{Rungs, Span, side};
@@ -26,11 +27,15 @@ pub fn sheet(
     label: &dyn Fn(&Operand) -> Label,
     subroutines: &Subroutines,
 ) -> Result<Sheet, String> {
-    let mut maker = Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None, subroutines };
+    let wires = wires(statements).into_iter().map(|bit| (bit, None)).collect();
+    let mut maker =
+        Maker { rungs: Rungs::default(), stack: Vec::new(), eno: None, wires, flows: Vec::new(), subroutines };
     for statement in statements {
         maker.rungs.statement = Some(statement.span.start);
         match &statement.kind {
+            StatementKind::Instruction { insn: Insn::Assign, operands, .. } if maker.begins_wire(operands) => {}
             StatementKind::Instruction { insn, operands, .. } => {
+                maker.flows = operands.iter().map(|operand| maker.wire(operand)).collect();
                 let labels: Vec<Label> = operands.iter().map(label).collect();
                 let name = insn.mnemonic(Mnemonics::En).to_string();
                 maker.instruction(*insn, &name, labels).map_err(|reason| format!("`{name}` {reason}"))?;
@@ -48,12 +53,58 @@ pub fn sheet(
     }
 }
 
+/// A bit of local memory: byte and bit.
+type LocalBit = (u32, u8);
+
+/// The bits of local memory that Micro/WIN has for itself: L60.0 to L63.7.
+fn local_bit(operand: &Operand) -> Option<LocalBit> {
+    match operand.kind {
+        OperandKind::Direct(Direct { area: Area::L, width: Some(Width::Bit), number: number @ 60..=63, bit }) => {
+            Some((number, bit))
+        }
+        _ => None,
+    }
+}
+
+/// The bits by which Micro/WIN writes the rungs that lead to EN and to other inputs of a call: `= L60.0` and `= L63.7` at their ends, then
+/// `LD L60.0` and `CALL Motor, L63.7`. Each is written once, at the end of a rung, and read once.
+fn wires(statements: &[Statement]) -> Vec<LocalBit> {
+    let instructions = statements.iter().filter_map(|statement| match &statement.kind {
+        StatementKind::Instruction { insn, operands, .. } => Some((*insn, operands.as_slice())),
+        StatementKind::Pragma { .. } | StatementKind::Error => None,
+    });
+    let list: Vec<(Insn, &[Operand])> = instructions.collect();
+    let begins_rung = |insn: Insn| {
+        matches!(insn, Insn::Load | Insn::LoadNot | Insn::LoadNow | Insn::LoadNotNow)
+            || matches!(insn, Insn::Compare(Compare { contact: Contact::Load, .. }))
+    };
+    let mut found = Vec::new();
+    for (at, (_, operands)) in list.iter().enumerate().filter(|(_, (insn, _))| *insn == Insn::Call) {
+        let before = &list[..at];
+        let writes = |(insn, operands): (Insn, &[Operand]), bit: LocalBit| {
+            insn == Insn::Assign && operands.iter().any(|operand| local_bit(operand) == Some(bit))
+        };
+        let ends_rung = |bit: LocalBit| before.windows(2).any(|pair| writes(pair[0], bit) && begins_rung(pair[1].0));
+        let uses = |bit: LocalBit| {
+            list.iter().flat_map(|(_, operands)| *operands).filter(|operand| local_bit(operand) == Some(bit)).count()
+        };
+        let enable = before.last().filter(|(insn, _)| *insn == Insn::Load).and_then(|(_, operands)| operands.first());
+        let inputs = enable.into_iter().chain(operands.iter().skip(1)).filter_map(local_bit);
+        found.extend(inputs.filter(|bit| uses(*bit) == 2 && ends_rung(*bit)));
+    }
+    found
+}
+
 struct Maker<'a> {
     subroutines: &'a Subroutines<'a>,
     rungs: Rungs,
     stack: Vec<Span>,
     /// The box whose ENO the next statement may continue.
     eno: Option<usize>,
+    /// Bits by which rungs are written, with their rungs once they have ended.
+    wires: Vec<(LocalBit, Option<Span>)>,
+    /// The rungs that lead to the operands of the statement.
+    flows: Vec<Option<Span>>,
 }
 
 /// The logic stack has nine levels.
@@ -71,6 +122,26 @@ impl Maker<'_> {
     fn push(&mut self, span: Span) -> Result<(), String> {
         self.stack.push(span);
         if self.stack.len() > STACK { Err("needs more levels than the logic stack has".to_string()) } else { Ok(()) }
+    }
+
+    /// Whether `= L63.7` ends a rung that leads to an input.
+    fn begins_wire(&mut self, operands: &[Operand]) -> bool {
+        let bit = operands.first().and_then(local_bit);
+        let wire = self.wires.iter_mut().find(|(wire, _)| Some(*wire) == bit);
+        if let (Some((_, rung)), Some(top)) = (wire, self.stack.last().copied())
+            && !top.shared
+        {
+            *rung = Some(top);
+            self.stack.pop();
+            return true;
+        }
+        false
+    }
+
+    /// The rung that leads to an operand.
+    fn wire(&self, operand: &Operand) -> Option<Span> {
+        let bit = local_bit(operand)?;
+        self.wires.iter().find(|(wire, _)| *wire == bit)?.1
     }
 
     /// A contact beside the whole span.
@@ -95,7 +166,8 @@ impl Maker<'_> {
         };
         match insn {
             Insn::Load | Insn::LoadNot | Insn::LoadNow | Insn::LoadNotNow => {
-                let span = self.rungs.load(contact(name, 2), labels);
+                let rung = self.flows.first().copied().flatten();
+                let span = rung.unwrap_or_else(|| self.rungs.load(contact(name, 2), labels));
                 self.push(span)?;
             }
             Insn::And | Insn::AndNot | Insn::AndNow | Insn::AndNotNow => {
@@ -296,20 +368,27 @@ impl Maker<'_> {
         let mut pins: Vec<Pin> = Vec::new();
         let mut inputs = 0;
         for (index, label) in labels.into_iter().enumerate() {
-            if let Some((formal, output)) = formals.get(index) {
-                pins.push(side(formal, label, *output));
-                continue;
-            }
-            let output = classes.get(index + skipped).is_some_and(|class| is_output(*class));
-            inputs += usize::from(!output);
-            let pin = match (output, is_timer, index) {
-                (true, ..) => "OUT".to_string(),
-                (false, true, _) => "PT".to_string(),
-                (false, false, _) if is_call => format!("{}", index + 1),
-                (false, false, _) if inputs == 1 => "IN".to_string(),
-                (false, false, _) => format!("IN{inputs}"),
+            let (name, output) = match formals.get(index) {
+                Some((formal, output)) => (formal.clone(), *output),
+                None => {
+                    let output = classes.get(index + skipped).is_some_and(|class| is_output(*class));
+                    inputs += usize::from(!output);
+                    let name = match (output, is_timer, index) {
+                        (true, ..) => "OUT".to_string(),
+                        (false, true, _) => "PT".to_string(),
+                        (false, false, _) if is_call => format!("{}", index + 1),
+                        (false, false, _) if inputs == 1 => "IN".to_string(),
+                        (false, false, _) => format!("IN{inputs}"),
+                    };
+                    (name, output)
+                }
             };
-            pins.push(side(&pin, label, output));
+            let mut pin = side(&name, label, output);
+            if let Some(rung) = self.flows.get(index + skipped).copied().flatten() {
+                self.rungs.rail(rung);
+                pin.link = Link::Net(rung.end);
+            }
+            pins.push(pin);
         }
         let look = Look::Box { title, detail: String::new(), instance };
         self.rungs.part(look, Meaning::Other, pins, Some(from), None);
