@@ -5,6 +5,7 @@ use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::count::counted;
 use plcc_syntax::s7200::OperandClass;
 use plcc_syntax::s7200::ast::{self, Constant, Section};
+use plcc_syntax::s7200::libraries::{self, Subroutine};
 
 use super::Binder;
 use super::constant::{Target, whole};
@@ -206,7 +207,7 @@ impl Binder<'_> {
         let index = match settled {
             Settled::Block(index) => index,
             Settled::Constant(constant) => match whole(&constant).and_then(|number| u32::try_from(number).ok()) {
-                Some(number) => match self.settle_block(kind, number, span)? {
+                Some(number) => match self.settle_block(kind, number, None, span)? {
                     Settled::Block(index) => index,
                     _ => return None,
                 },
@@ -235,11 +236,14 @@ impl Binder<'_> {
 
     fn unknown_block(&mut self, locals: &Locals, name: &str, kind: BlockKind, span: Span) {
         let near = self.nearest(name, locals);
-        let what = if kind == BlockKind::Int { "interrupt routine" } else { "subroutine" };
+        let what = what(kind);
         self.report.missing(plcc_binding::report::MissingKey::Symbol(super::names::fold(name)), span, || {
             let message =
-                Diagnostic::new(Code::UnknownBlock, span, format!("the {what} `{name}` is not defined (0087)"))
-                    .label("no source of the program has this block");
+                Diagnostic::new(Code::UnknownBlock, span, format!("the {what} `{name}` is not defined (0087)"));
+            if let Some(known) = libraries::subroutine(name) {
+                return of_library(message, name, &known);
+            }
+            let message = message.label("no source of the program has this block");
             match near.as_slice() {
                 [] => message.help("add the source that defines it; a file without a header is named after its block"),
                 _ => message.help(format!("names like it: {}", near.join(", "))),
@@ -255,4 +259,17 @@ impl Binder<'_> {
                 .help(help),
         );
     }
+}
+
+/// What a block that can be called or attached is.
+pub(super) fn what(kind: BlockKind) -> &'static str {
+    if kind == BlockKind::Int { "interrupt routine" } else { "subroutine" }
+}
+
+/// The message about a subroutine of a library of Micro/WIN that is not defined.
+pub(super) fn of_library(message: Diagnostic, name: &str, known: &Subroutine) -> Diagnostic {
+    let library = known.library;
+    message
+        .label(format!("it is in the {library} library of Micro/WIN, which plcc does not have"))
+        .help(format!("write a subroutine `{name}` in its place, or accept missing parts with `--partial`"))
 }

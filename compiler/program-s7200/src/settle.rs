@@ -4,9 +4,10 @@ use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::Width;
 use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, Shown, SymbolForm};
-use plcc_syntax::s7200::{self, OperandClass};
+use plcc_syntax::s7200::{self, OperandClass, libraries};
 
 use super::address;
+use super::call::{of_library, what};
 use super::interface::{Locals, Type};
 use super::names::{block_kind, fold};
 use super::{Binder, operand};
@@ -58,7 +59,10 @@ impl Binder<'_> {
                 Some(Settled::Constant(Constant::Text(characters(name))))
             }
             OperandKind::Symbol { name, form } => self.settle_symbol(locals, name, *form, span),
-            OperandKind::Block { kind, number } => self.settle_block(block_kind(*kind), *number, span),
+            OperandKind::Block { kind, number } => {
+                let name = operand.shown.as_ref().map(|shown| shown.name.as_str());
+                self.settle_block(block_kind(*kind), *number, name, span)
+            }
             OperandKind::Error => None,
         }
     }
@@ -83,7 +87,7 @@ impl Binder<'_> {
             return match global.target.clone() {
                 OperandKind::Direct(direct) => Some(Settled::Direct(direct)),
                 OperandKind::Constant(constant) => Some(Settled::Constant(constant)),
-                OperandKind::Block { kind, number } => self.settle_block(block_kind(kind), number, span),
+                OperandKind::Block { kind, number } => self.settle_block(block_kind(kind), number, Some(name), span),
                 OperandKind::Indirect(_)
                 | OperandKind::AddressOf(_)
                 | OperandKind::Symbol { .. }
@@ -217,17 +221,23 @@ impl Binder<'_> {
         });
     }
 
-    /// The block with a number.
-    pub fn settle_block(&mut self, kind: BlockKind, number: u32, span: Span) -> Option<Settled> {
+    /// The block with a number, and the symbol by which it is named.
+    pub fn settle_block(&mut self, kind: BlockKind, number: u32, symbol: Option<&str>, span: Span) -> Option<Settled> {
         let key = u16::try_from(number).ok().map(|number| (kind, number));
         if let Some(&index) = key.and_then(|key| self.by_number.get(&key)) {
             return Some(Settled::Block(index));
         }
         let name = format!("{}{number}", kind.prefix());
         self.report.missing(MissingKey::Symbol(fold(&name)), span, || {
-            Diagnostic::new(Code::UnknownBlock, span, format!("{name} is not defined (0087)"))
-                .label("no source of the program has this block")
-                .help("add the source that defines it")
+            let title = match symbol {
+                Some(symbol) => format!("the {} `{symbol}`, {name}, is not defined (0087)", what(kind)),
+                None => format!("{name} is not defined (0087)"),
+            };
+            let message = Diagnostic::new(Code::UnknownBlock, span, title);
+            match symbol.and_then(|symbol| Some((symbol, libraries::subroutine(symbol)?))) {
+                Some((symbol, known)) => of_library(message, symbol, &known),
+                None => message.label("no source of the program has this block").help("add the source that defines it"),
+            }
         });
         None
     }

@@ -89,3 +89,25 @@ fn rungs_lead_to_the_inputs_of_a_call() {
     // An assignment to a bit that is not at the end of its rung is one of the program.
     assert!(!has(1, "L60.0") && has(1, "L63.7") && has(1, "Q0.0"), "{shown:?}");
 }
+
+#[test]
+fn calls_of_libraries_have_the_parameters_of_the_library() {
+    let calls = "NETWORK\nLD SM0.0\nCALL MBUS_MSG, I0.0, 2, 0, 40001, 4, &VB100, M2.1, MB8\nNETWORK\nLD SM0.1\nCALL MBUS_MSG, 1\n";
+    let main = format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n{calls}END_ORGANIZATION_BLOCK\n");
+    let shown = texts(&[("main.awl", main.as_str())], 2);
+    for text in ["MBUS_MSG", "First", "Slave", "RW", "Addr", "Count", "DataPtr", "Done", "Error"] {
+        assert!(shown[0].iter().any(|shown| shown == text), "{text} in {shown:?}");
+    }
+    // Another version of the library has other parameters.
+    assert!(!shown[1].iter().any(|shown| shown == "First"), "{shown:?}");
+}
+
+#[test]
+fn en_that_a_subroutine_declares_is_no_further_pin() {
+    let main = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK\nLD I0.0\nCALL Motor, 5, Q1.0\nEND_ORGANIZATION_BLOCK\n";
+    let motor = "SUBROUTINE_BLOCK Motor:SBR3\nVAR_INPUT\nEN:BOOL;\nSpeed:INT;\nEND_VAR\nVAR_OUTPUT\nRuns:BOOL;\nEND_VAR\n\
+                 BEGIN\nNETWORK\nLDW> #Speed, 0\n= #Runs\nEND_SUBROUTINE_BLOCK\n";
+    let mut shown = texts(&[("main.awl", main), ("motor.awl", motor)], 1).concat();
+    shown.sort();
+    assert_eq!(shown, ["5", "EN", "I0.0", "Motor", "Q1.0", "Runs", "Speed"]);
+}

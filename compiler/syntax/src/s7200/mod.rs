@@ -12,6 +12,7 @@ mod blocks;
 mod classify;
 mod constant;
 mod instructions;
+pub mod libraries;
 mod line;
 mod meant;
 mod messages;

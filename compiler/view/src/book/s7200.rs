@@ -1,6 +1,7 @@
 //! Pages of programs of the S7-200.
 
 use plcc_syntax::s7200::ast as s7200;
+use plcc_syntax::s7200::libraries;
 use plcc_syntax::stl::Mnemonics;
 
 use super::{Declaration, Maker, Page, Section};
@@ -56,7 +57,7 @@ impl Maker<'_> {
                     _ => label,
                 }
             };
-            let drawn = sheet::s7200::sheet(&network.statements, &label, &|name| self.subroutine(name));
+            let drawn = sheet::s7200::sheet(&network.statements, &label, &|name, count| self.subroutine(name, count));
             let spans = network.statements.iter().map(|statement| statement.span);
             page.sections.push(Section {
                 number: network.number.map_or(at + 1, |number| number as usize),
@@ -75,8 +76,8 @@ impl Maker<'_> {
         sheet::Label { text: symbol.to_string(), address: address.to_string(), key, ..sheet::Label::default() }
     }
 
-    /// The subroutine with a name or number.
-    fn subroutine(&self, name: &str) -> Option<Subroutine> {
+    /// The subroutine with a name or number to which `count` arguments are passed.
+    fn subroutine(&self, name: &str, count: usize) -> Option<Subroutine> {
         let name = name.trim_matches('"');
         let sources = self.units.iter().filter_map(|(_, unit)| unit.s7200.as_ref());
         let block = sources.flat_map(|source| &source.blocks).find(|block| {
@@ -85,11 +86,20 @@ impl Maker<'_> {
                 .is_some_and(|(number, _)| name.replace(' ', "").eq_ignore_ascii_case(&format!("SBR{number}")));
             let named = block.name.as_ref().is_some_and(|(own, _)| own.eq_ignore_ascii_case(name));
             block.kind == s7200::BlockKind::Subroutine && (number || named)
-        })?;
+        });
+        let Some(block) = block else {
+            let formals = libraries::subroutine(name)?;
+            let formals: Vec<(String, bool)> =
+                formals.parameters().map(|(formal, output)| (formal.to_string(), output)).collect();
+            return (formals.len() == count).then(|| Subroutine { name: name.to_string(), formals });
+        };
         let formals = block.declarations.iter().filter(|row| row.section != s7200::Section::Temp);
-        Some(Subroutine {
-            name: block.name.as_ref().map_or(String::new(), |(name, _)| name.clone()),
-            formals: formals.map(|row| (row.name.clone(), row.section == s7200::Section::Output)).collect(),
-        })
+        let mut formals: Vec<(String, bool)> =
+            formals.map(|row| (row.name.clone(), row.section == s7200::Section::Output)).collect();
+        // EN that a subroutine declares may be left out in calls.
+        if formals.len() == count + 1 && formals[0].0.eq_ignore_ascii_case("EN") {
+            formals.remove(0);
+        }
+        Some(Subroutine { name: block.name.as_ref().map_or(String::new(), |(name, _)| name.clone()), formals })
     }
 }

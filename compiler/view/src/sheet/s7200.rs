@@ -18,8 +18,8 @@ pub struct Subroutine {
     pub formals: Vec<(String, bool)>,
 }
 
-/// Finds a subroutine by its name or number: `Scale`, `SBR0`.
-pub type Subroutines<'a> = dyn Fn(&str) -> Option<Subroutine> + 'a;
+/// Finds a subroutine by its name or number, such as `Scale` or `SBR0`, and the number of its arguments.
+pub type Subroutines<'a> = dyn Fn(&str, usize) -> Option<Subroutine> + 'a;
 
 /// The rungs of a network. `label` finds the operand at a place of the source. `Err`: why it cannot be drawn.
 pub fn sheet(
@@ -359,7 +359,7 @@ impl Maker<'_> {
             (Some(label), true) => (label.text, None),
             (first, _) => (name.to_string(), first),
         };
-        let called = if is_call { (self.subroutines)(&title) } else { None };
+        let called = if is_call { (self.subroutines)(&title, labels.len()) } else { None };
         let (title, formals) = match called {
             Some(Subroutine { name, formals }) if !name.is_empty() => (name, formals),
             Some(Subroutine { formals, .. }) => (title, formals),
