@@ -7,8 +7,8 @@ use crate::book::Declaration;
 /// Rows of a page: more components are left out, and the last row says so.
 const ROWS_MAX: usize = 5_000;
 
-/// Adds a row for each component.
-pub fn members(db: u16, list: &[Member], base: u32, depth: usize, rows: &mut Vec<Declaration>) {
+/// Adds a row for each component. `db`: none for components of the elements of an array, whose addresses differ.
+pub fn members(db: Option<u16>, list: &[Member], base: u32, depth: usize, rows: &mut Vec<Declaration>) {
     for member in list {
         if rows.len() == ROWS_MAX {
             rows.push(Declaration {
@@ -24,13 +24,24 @@ pub fn members(db: u16, list: &[Member], base: u32, depth: usize, rows: &mut Vec
         rows.push(Declaration {
             name: member.name.clone(),
             ty: type_text(&member.ty),
-            address: address(db, &member.ty, byte, member.bit),
+            address: db.map_or_else(String::new, |db| address(db, &member.ty, byte, member.bit)),
             depth,
             ..Declaration::default()
         });
         if let DataType::Struct(structure) = &member.ty {
             members(db, &structure.members, byte, depth + 1, rows);
+        } else if let Some(list) = of_elements(&member.ty) {
+            members(None, list, 0, depth + 1, rows);
         }
+    }
+}
+
+/// The components of the elements of an array, if these have a structure without a name.
+fn of_elements(ty: &DataType) -> Option<&[Member]> {
+    let DataType::Array(array) = ty else { return None };
+    match &array.element {
+        DataType::Struct(structure) => structure.name.is_empty().then_some(structure.members.as_slice()),
+        element => of_elements(element),
     }
 }
 

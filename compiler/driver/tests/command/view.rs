@@ -200,6 +200,27 @@ fn components_of_a_data_block_have_initial_values_and_comments() {
 }
 
 #[test]
+fn a_page_of_a_data_block_has_its_values_and_comments() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "DATA_BLOCK DB 10\nSTRUCT\n  count : INT := 5; // Number of parts\n  limit : INT := 6;\n  list : ARRAY [1..3] OF STRUCT\n    \
+                  weight : REAL := 1.5;\n  END_STRUCT;\nEND_STRUCT\nBEGIN\n  limit := 7;\n  list[2].weight := 2.5;\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("data.awl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "data.awl", "--cpu", "315-2DP", "--html", "data.html"]);
+    let page = fs::read_to_string(folder.join("data.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for row in [
+        r#"["","count","INT","5","Number of parts","DB10.DBW0",0]"#,
+        r#"["","limit","INT","7","","DB10.DBW2",0]"#,
+        r#"["","list","ARRAY[1..3] OF STRUCT","","","DB10.DBB4",0]"#,
+        r#"["","weight","REAL","1.5","","",1]"#,
+        r#""comment":"list[2].weight := 2.5""#,
+    ] {
+        assert!(page.contains(row), "{row} in {page}");
+    }
+}
+
+#[test]
 fn no_page_is_written_of_what_could_not_be_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use plcc_abi::image::BlockKind;
-use plcc_syntax::ast::{self, BlockName, DataContent, TypeKind, Variable};
+use plcc_diag::Span;
+use plcc_syntax::ast::{self, BlockName, DataContent, Path, PathPart, PathRoot, TypeKind, TypeRef, Variable};
 
 use super::{Declaration, Maker, Page};
 use crate::data;
@@ -19,11 +20,11 @@ impl Maker<'_> {
             page.id = format!("DB {}", db.number);
             page.name = db.name.clone();
             let mut rows = Vec::new();
-            data::members(db.number, &db.members, 0, 0, &mut rows);
+            data::members(Some(db.number), &db.members, 0, 0, &mut rows);
             if let DataContent::Struct(variables) = &block.content {
                 let mut declared = Vec::new();
                 self.declare(variables, "", 0, &mut declared);
-                complete(&mut rows, &declared);
+                describe(&mut rows, &declared);
             }
             page.declarations = rows;
         } else if let DataContent::Struct(variables) = &block.content {
@@ -32,53 +33,89 @@ impl Maker<'_> {
         if let DataContent::OfType(ty) = &block.content {
             page.comment.insert(0, format!("Type: {}", self.words(ty.span)));
         }
+        let rows = paths(&page.declarations);
         for value in &block.values {
-            let text = self.words(value.span);
-            page.comment.push(text);
+            match path_of(&value.target).and_then(|path| rows.get(&path)) {
+                Some(row) => page.declarations[*row].initial = self.words(value.value.span),
+                None => page.comment.push(self.words(value.span)),
+            }
         }
         page
     }
 
     pub(super) fn declare(&self, list: &[Variable], section: &'static str, depth: usize, rows: &mut Vec<Declaration>) {
         for variable in list {
-            let members = match &variable.ty.kind {
-                TypeKind::Struct(members) if depth < 40 => Some(members),
-                _ => None,
+            let structure = structure(&variable.ty).filter(|_| depth < 40);
+            let ty = match structure {
+                Some((_, span)) if span.start > variable.ty.span.start => {
+                    format!("{} STRUCT", self.words(Span { end: span.start, ..variable.ty.span }))
+                }
+                Some(_) if matches!(variable.ty.kind, TypeKind::Struct(_)) => "STRUCT".to_string(),
+                Some(_) | None => self.words(variable.ty.span),
             };
             rows.push(Declaration {
                 section,
                 name: variable.name.clone(),
-                ty: if members.is_some() { "STRUCT".to_string() } else { self.words(variable.ty.span) },
+                ty,
                 initial: variable.initial.as_ref().map_or(String::new(), |value| self.words(value.span)),
                 comment: variable.comment.clone().unwrap_or_default(),
                 address: String::new(),
                 depth,
             });
-            if let Some(members) = members {
+            if let Some((members, _)) = structure {
                 self.declare(members, section, depth + 1, rows);
             }
         }
     }
 }
 
-/// Adds what is declared of components to the rows with their addresses: initial values and comments.
-fn complete(rows: &mut [Declaration], declared: &[Declaration]) {
-    let known: HashMap<Vec<String>, &Declaration> = paths(declared).into_iter().zip(declared).collect();
-    for (path, row) in paths(rows).into_iter().zip(rows) {
-        if let Some(declared) = known.get(&path) {
-            row.initial.clone_from(&declared.initial);
-            row.comment.clone_from(&declared.comment);
+/// The components of a structure, or of the elements of an array of structures, and where its declaration is.
+fn structure(ty: &TypeRef) -> Option<(&[Variable], Span)> {
+    match &ty.kind {
+        TypeKind::Struct(members) => Some((members, ty.span)),
+        TypeKind::Array { element, .. } => structure(element),
+        TypeKind::Named(_)
+        | TypeKind::String(_)
+        | TypeKind::WideString(_)
+        | TypeKind::OpenArray { .. }
+        | TypeKind::Reference(_)
+        | TypeKind::Block(_)
+        | TypeKind::Error => None,
+    }
+}
+
+/// Gives the rows of a data block the initial values and comments of its declarations.
+fn describe(rows: &mut [Declaration], declared: &[Declaration]) {
+    let known = paths(declared);
+    for (path, at) in paths(rows) {
+        if let Some(from) = known.get(&path).map(|from| &declared[*from]) {
+            rows[at].initial.clone_from(&from.initial);
+            rows[at].comment.clone_from(&from.comment);
         }
     }
 }
 
-/// The name of each row, after those of the rows that it is a component of.
-fn paths(rows: &[Declaration]) -> Vec<Vec<String>> {
-    let mut path = Vec::new();
-    let one = |row: &Declaration| {
+/// The rows by the names of their components in small letters.
+fn paths(rows: &[Declaration]) -> HashMap<Vec<String>, usize> {
+    let mut path: Vec<String> = Vec::new();
+    let mut found = HashMap::new();
+    for (at, row) in rows.iter().enumerate() {
         path.truncate(row.depth);
         path.push(row.name.to_lowercase());
-        path.clone()
+        found.entry(path.clone()).or_insert(at);
+    }
+    found
+}
+
+/// The names of a component in small letters; `None`: it is in an element of an array.
+fn path_of(target: &Path) -> Option<Vec<String>> {
+    let (PathRoot::Local { name, .. } | PathRoot::Quoted { name, .. } | PathRoot::Bare { name, .. }) = &target.root
+    else {
+        return None;
     };
-    rows.iter().map(one).collect()
+    let names = target.parts.iter().map(|part| match part {
+        PathPart::Member { name, .. } => Some(name.to_lowercase()),
+        PathPart::Index { .. } => None,
+    });
+    std::iter::once(Some(name.to_lowercase())).chain(names).collect()
 }
