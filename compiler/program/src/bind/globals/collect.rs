@@ -9,7 +9,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::bind::globals::Globals;
 use crate::bind::globals::names::{Global, code_kind};
-use crate::bind::trees::blocks::{block_class, class_of_inputs, header_of, is_forward, is_fragment, is_safety};
+use crate::bind::globals::ob::unknown_class;
+use crate::bind::trees::blocks::{
+    block_class, class_attribute, class_of_inputs, header_of, is_forward, is_fragment, is_safety,
+};
 use crate::bind::trees::mentions;
 use crate::bind::trees::numbering::{LOOSE, LOOSE_HELP, block_of_file, frame, is_loose, numbered, source_prefix};
 use plcc_binding::fold;
@@ -383,8 +386,15 @@ impl<'a> Globals<'a> {
     }
 
     /// What starts an OB that does not state it: in sources of the TIA Portal its inputs tell, otherwise it is a program cycle OB. None in other
-    /// sources, where the number is unknown; that is reported.
+    /// sources, where the number is unknown, and if it states a class that does not exist; that is reported.
     fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
+        if !self.input.partial
+            && let ast::Block::Code(code) = block
+            && let Some((None, text)) = class_attribute(&code.header)
+        {
+            self.report.push(unknown_class(text, span).label("it is not known what starts it"));
+            return None;
+        }
         let message = Diagnostic::new(
             Code::BlockFrame,
             span,

@@ -15,6 +15,17 @@ use crate::bind::trees::blocks::class_attribute;
 /// OBs of CPUs for technology and of S7-400H, which have no class here.
 const RARE: [u16; 2] = [65, 73];
 
+/// The message about an attribute whose value is no class.
+pub fn unknown_class(text: &str, span: Span) -> Diagnostic {
+    let names: Vec<&str> = OB_CLASSES.iter().map(|row| row.names[0]).collect();
+    Diagnostic::new(Code::BlockFrame, span, format!("`{text}` is not a class of organization blocks")).help(
+        match plcc_binding::similar(text, names.iter().copied()) {
+            Some(meant) => format!("is `{meant}` meant?"),
+            None => format!("one of {}", names.join(", ")),
+        },
+    )
+}
+
 impl Globals<'_> {
     /// The classes of the program's OBs: from plc.toml, otherwise from their attributes.
     pub fn ob_classes(&mut self) {
@@ -47,21 +58,11 @@ impl Globals<'_> {
             };
             match class {
                 None => {
-                    let names: Vec<&str> = OB_CLASSES.iter().map(|row| row.names[0]).collect();
                     // The number of an OB below 123 says what starts it.
                     let own = ObClass::of_number(number).map(|own| with_article(own.row().word));
-                    let mut message = Diagnostic::new(
-                        Code::BlockFrame,
-                        block.name.span(),
-                        format!("`{text}` is not a class of organization blocks"),
-                    )
-                    .label(match &own {
+                    let mut message = unknown_class(text, block.name.span()).label(match &own {
                         Some(own) => format!("by its number OB {number} is {own} OB"),
                         None => format!("it is not known what starts OB {number}"),
-                    })
-                    .help(match plcc_binding::similar(text, names.iter().copied()) {
-                        Some(meant) => format!("is `{meant}` meant?"),
-                        None => format!("one of {}", names.join(", ")),
                     });
                     if own.is_some() {
                         message.severity = Severity::Warning;
