@@ -365,6 +365,12 @@ impl Config {
         let given = self.ob_classes.iter().find(|(number, _)| *number == ob).map(|(_, class)| *class);
         given.or_else(|| if ob >= OB_FREE { Some(ObClass::ProgramCycle) } else { ObClass::of_number(ob) })
     }
+
+    /// The hardware identifier of a module: the one that plc.toml gives it, otherwise that by its addresses.
+    pub fn hardware_id(&self, module: &Module) -> u16 {
+        let own = module.identifier();
+        self.hardware_ids.iter().find(|(_, address)| *address == own).map_or(own, |(given, _)| *given)
+    }
 }
 
 /// What is retentive besides data blocks, and where it is kept.

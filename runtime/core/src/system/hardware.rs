@@ -83,12 +83,6 @@ pub(super) fn first_output(call: &Call, id: u16) -> u32 {
     if module.output_bytes == 0 || is_own { address } else { module.output_start }
 }
 
-/// The hardware identifier of a module.
-fn identifier(call: &Call, module: &Module) -> u16 {
-    let (own, ids) = (module.identifier(), &call.cpu.image.config.hardware_ids);
-    ids.iter().find(|(_, address)| *address == own).map_or(own, |(given, _)| *given)
-}
-
 /// LADDR -> RET_VAL, PIADDR, PICOUNT, PQADDR, PQCOUNT.
 pub(super) fn rd_addr(call: &Call) -> Outcome {
     let found = module(call, call.word(0));
@@ -138,7 +132,7 @@ pub(super) fn geo2log(call: &Call) -> Outcome {
     if field(5) > 1 {
         return error(GEO_SUBSLOT);
     }
-    call.set_word(LADDR, identifier(call, found));
+    call.set_word(LADDR, call.cpu.image.config.hardware_id(found));
     OK
 }
 
@@ -158,7 +152,7 @@ pub(super) fn io2mod(call: &Call) -> Outcome {
     else {
         return error(NO_ADDRESS);
     };
-    call.set_word(LADDR, identifier(call, found));
+    call.set_word(LADDR, call.cpu.image.config.hardware_id(found));
     OK
 }
 

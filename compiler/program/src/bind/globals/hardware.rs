@@ -116,7 +116,7 @@ impl Globals<'_> {
         );
     }
 
-    /// The system constant `name`: `Local~Common`, `Local~HSC_1`, `Local~Pulse_1`, an event of plc.toml, `OB_Main`.
+    /// The system constant `name`: `Local~Common`, `Local~HSC_1`, `Local~Pulse_1`, an event or a module of plc.toml, `OB_Main`.
     pub fn system_constant(&self, name: &str) -> Option<Constant> {
         if !self.input.profile.family.is_portal() {
             return None;
@@ -140,6 +140,13 @@ impl Globals<'_> {
         if let Some(index) = self.input.config.hardware_events.iter().position(|event| fold(&event.name) == name) {
             let bits = u64::from(EVENT_ID) + index as u64 + 1;
             return Some(Constant::Typed { ty: Elementary::Dword, bits });
+        }
+        // A block or tag with the name of a module is meant itself.
+        let config = &self.input.config;
+        if let Some(module) = config.modules.iter().flatten().find(|module| fold(&module.name) == name)
+            && !self.names.symbols.contains_key(&name)
+        {
+            return word(config.hardware_id(module));
         }
         match self.names.symbols.get(name.strip_prefix("ob_")?)?.target {
             SymbolTarget::Block { prefix: BlockPrefix::Ob, number } => {
