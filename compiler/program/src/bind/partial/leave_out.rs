@@ -9,9 +9,11 @@ use plcc_syntax::chart::ast as chart;
 use plcc_syntax::network::ast as network;
 use plcc_syntax::scl::ast as scl;
 
-/// Leaves out the part at `at`; `None` if nothing there can be removed.
-pub fn leave_out(units: &mut [(FileId, SourceUnit)], at: Span) -> Option<LeftOut> {
-    let (_, unit) = units.iter_mut().find(|(file, _)| *file == at.file)?;
+/// Leaves out the part at `at`; `None` if nothing there can be removed, or if that has been done since `earlier`, for another message
+/// about the same part.
+pub fn leave_out(units: &mut [(FileId, SourceUnit)], earlier: &[(FileId, SourceUnit)], at: Span) -> Option<LeftOut> {
+    let place = units.iter().position(|(file, _)| *file == at.file)?;
+    let (unit, earlier) = (&mut units[place].1, &earlier[place].1);
     let size = |block: &Block| block.span().end - block.span().start;
     // In exports a block may be shown by its name alone, so any block of the file can contain the position.
     let mut order: Vec<usize> = (0..unit.blocks.len()).collect();
@@ -19,8 +21,12 @@ pub fn leave_out(units: &mut [(FileId, SourceUnit)], at: Span) -> Option<LeftOut
     if let Some(left) = order.iter().find_map(|&index| part(&mut unit.blocks[index], at)) {
         return Some(left);
     }
-    // A message of the block as a whole.
     let index = *order.first()?;
+    let around = if holds(unit.blocks[index].span(), at) { &order[..1] } else { &order[..] };
+    if around.iter().any(|&index| part(&mut earlier.blocks[index].clone(), at).is_some()) {
+        return None;
+    }
+    // A message of the block as a whole.
     whole(&mut unit.blocks[index], at)
 }
 

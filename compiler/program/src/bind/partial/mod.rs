@@ -77,12 +77,13 @@ pub fn complete(input: &BindInput) -> Completed {
         places.sort_unstable_by_key(|span| (span.file, span.start, span.end));
         places.dedup();
         let before = (left.len(), refused.len());
+        let earlier = units.clone();
         for place in &places {
             if place.file == file {
                 if let Some(line) = stand_ins.lines.get(place.start as usize) {
                     refused.insert(line.missing.clone());
                 }
-            } else if let Some(part) = leave_out::leave_out(&mut units, *place) {
+            } else if let Some(part) = leave_out::leave_out(&mut units, &earlier, *place) {
                 left.push(part);
             }
         }
