@@ -3,9 +3,9 @@
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::count::counted;
-use plcc_syntax::s7200::OperandClass;
 use plcc_syntax::s7200::ast::{self, Constant, Section};
 use plcc_syntax::s7200::libraries::{self, Subroutine};
+use plcc_syntax::s7200::{Insn, OperandClass};
 
 use super::Binder;
 use super::constant::{Target, whole};
@@ -217,8 +217,25 @@ impl Binder<'_> {
         };
         match self.blocks.get(index) {
             Some(block) if block.kind == kind => Some(index),
-            _ => self.no_block(kind, span),
+            Some(block) => self.other_block(block.kind, kind, span),
+            None => self.no_block(kind, span),
         }
+    }
+
+    /// A block of another kind than `CALL` or `ATCH` needs.
+    fn other_block(&mut self, own: BlockKind, needed: BlockKind, span: Span) -> Option<usize> {
+        let written = self.written(span);
+        let (call, attach) = (self.mnemonic(Insn::Call), self.mnemonic(Insn::Atch));
+        let help = match own {
+            BlockKind::Sbr => format!("attach an interrupt routine that has `{call} {written}`"),
+            BlockKind::Int => format!("write `{attach} {written}, 10`, with the number of the event that starts it"),
+            _ => "the CPU calls it in each scan: move what is meant into a subroutine".to_string(),
+        };
+        let is = if own == BlockKind::Ob { "the main program".to_string() } else { with_article(own) };
+        let title = format!("`{written}` is {is}, not {} (0087)", with_article(needed));
+        let label = format!("{} is needed here", with_article(needed));
+        self.push(Diagnostic::new(Code::OperandKind, span, title).label(label).help(help));
+        None
     }
 
     fn no_block(&mut self, kind: BlockKind, span: Span) -> Option<usize> {
@@ -264,6 +281,11 @@ impl Binder<'_> {
 /// What a block that can be called or attached is.
 pub(super) fn what(kind: BlockKind) -> &'static str {
     if kind == BlockKind::Int { "interrupt routine" } else { "subroutine" }
+}
+
+fn with_article(kind: BlockKind) -> String {
+    let article = if kind == BlockKind::Int { "an" } else { "a" };
+    format!("{article} {}", what(kind))
 }
 
 /// The message about a subroutine of a library of Micro/WIN that is not defined.
