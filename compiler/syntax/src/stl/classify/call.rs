@@ -259,6 +259,8 @@ impl Classifier<'_, '_> {
         }
         let opening = self.raw[self.at];
         self.take(Tok::LeftParen);
+        // `;` after each parameter is one mistake.
+        let mut is_told = false;
         while let Some(token) = self.peek() {
             self.pragmas_in_call(token.start);
             let after_operand = !matches!(self.last(), Some(Tok::LeftParen | Tok::Comma | Tok::Assign));
@@ -270,16 +272,28 @@ impl Classifier<'_, '_> {
                 RawKind::Semicolon if after_operand && self.is_parameter(self.at + 1) => {
                     let name = self.slice(self.raw[self.at + 1]);
                     let help = format!("write `, {name} := …`");
-                    self.report(
-                        Diagnostic::new(
-                            Code::ForeignForm,
-                            self.span(token),
-                            "the parameters of a call are separated by `,`",
-                        )
-                        .label("read as `,`")
-                        .help(help),
-                    );
+                    if !std::mem::replace(&mut is_told, true) {
+                        self.report(
+                            Diagnostic::new(
+                                Code::ForeignForm,
+                                self.span(token),
+                                "the parameters of a call are separated by `,`",
+                            )
+                            .label("read as `,`")
+                            .help(help),
+                        );
+                    }
                     self.take(Tok::Comma);
+                }
+                RawKind::Semicolon if after_operand && self.kind_at(self.at + 1) == Some(RawKind::RightParen) => {
+                    if !std::mem::replace(&mut is_told, true) {
+                        self.report(
+                            Diagnostic::new(Code::Syntax, self.span(token), "a list of parameters cannot end with `;`")
+                                .label("no parameter follows")
+                                .help("remove the `;`"),
+                        );
+                    }
+                    self.at += 1;
                 }
                 RawKind::Semicolon => break,
                 _ if self.ends_code(self.at) => break,
