@@ -247,12 +247,16 @@ async function reset(tab) {
 // 390 pixels, as a phone has them: nothing is wider than the screen.
 async function small(tab) {
   await tab.call("Emulation.setDeviceMetricsOverride", { width: 390, height: 844, deviceScaleFactor: 2, mobile: true });
-  for (const view of ["table", "force", "cpu-view", "buffer", "program"]) {
+  for (const view of ["variables", "table", "force", "curves", "recording", "cpu-view", "buffer", "program"]) {
     await show(tab, view);
     await until(tab, `${view} within the screen`, `document.documentElement.scrollWidth <= 390 && document.querySelector("main").scrollWidth <= 390`);
     const button = `document.querySelector("nav [aria-current]").getBoundingClientRect()`;
     await until(tab, `the name of ${view}`, `${button}.left > -1 && ${button}.right < 391`);
   }
+  await show(tab, "recording");
+  await tab(`document.querySelector("#trigger").append(new Option("when ${"a long name ".repeat(8)}", "99"))`);
+  await until(tab, "a list of long names within the screen", `document.querySelector("main").scrollWidth <= 390`);
+  await show(tab, "program");
   await open(tab, "FC1");
   const line = `[...${page}.querySelectorAll(".ln")].find((line) => /=\\s+Q 0.0/.test(line.firstChild.textContent))`;
   await until(tab, "the status below the line", `/^ 0   0/.test(${line}?.lastChild.textContent) && ${line}.lastChild.getBoundingClientRect().top > ${line}.firstChild.getBoundingClientRect().top`);
