@@ -73,8 +73,8 @@ impl Cpu {
         self.memory.raise_attention();
     }
 
-    /// Synchronous error `code` at `site`: runs OB 121 or OB 122, else STOP. `access`: access byte, and the data block in the upper half.
-    /// Result for generated code.
+    /// Synchronous error `code` at `site`: runs OB 121 or OB 122, else STOP if the CPU stops for it. `access`: access byte, and the data
+    /// block in the upper half. Result for generated code.
     pub(crate) fn sync_error(&self, site: u32, code: u8, access: u32, info: u32) -> u32 {
         if self.is_stopped() {
             return 1;
@@ -87,8 +87,13 @@ impl Cpu {
         let io = matches!(code, sync::IO_READ | sync::IO_WRITE);
         let (ob, class, stop_event) = if io { (122, 0x29, 0x4563) } else { (121, 0x25, 0x4562) };
         let cause = self.log_access(u16::from(class) << 8 | u16::from(code), site, info, access);
-        // An S7-1200 has no error OBs: it notes the error and stays in RUN.
-        if self.image.profile.family == Family::S71200 {
+        // An S7-1200 has no error OBs: it notes the error and stays in RUN. So does an S7-1500 after an I/O access error without its OB.
+        let is_only_noted = match self.image.profile.family {
+            Family::S71200 => true,
+            Family::S71500 => io && !self.has_ob(ob),
+            Family::S7300 | Family::S7400 | Family::S7200 => false,
+        };
+        if is_only_noted {
             return 0;
         }
         if !self.has_ob(ob) {

@@ -86,6 +86,22 @@ fn io_errors_run_ob_122() {
     assert_eq!(*runs.borrow(), 2);
 }
 
+/// Source: S7-1500 system manual, default reactions to events.
+#[test]
+fn an_s7_1500_goes_on_without_ob_122() {
+    let ob1: Block = Box::new(|cpu, _| {
+        assert_eq!(cpu.sync_error(0, sync::IO_READ, 0, 256), 0);
+        assert_eq!(cpu.sync_error(0, sync::IO_WRITE, 0, 256), 0);
+    });
+    let cpu = cpu_with(vec![(1, ob1)], |image| image.profile.family = Family::S71500);
+    run(&cpu, 1);
+    assert!(!cpu.is_stopped());
+    let ob1: Block = Box::new(|cpu, _| assert_eq!(cpu.sync_error(0, sync::DB_MISSING, 0, 12), 1));
+    let cpu = cpu_with(vec![(1, ob1)], |image| image.profile.family = Family::S71500);
+    run(&cpu, 1);
+    assert_eq!(cpu.stopped().unwrap().entry.event, 0x4562, "but not without OB 121");
+}
+
 #[test]
 fn errors_in_error_obs_are_bounded() {
     let error: fn(&Cpu, u32) = |cpu, _| {
