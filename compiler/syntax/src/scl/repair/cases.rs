@@ -55,7 +55,7 @@ impl Repair<'_> {
         let Some(end) = ends.filter(|end| *end > at + 1 && ends_value(*end)) else { return false };
         let others = self.token(at + 1).is_some_and(|next| alias(self.slice(next)) == Some(Keyword::Else));
         if is_when && others && end == at + 2 {
-            self.misspelt(at, end, Keyword::Else);
+            self.misspelt(at, end + 1, Keyword::Else);
             self.replace(at, end + 1, RawKind::Word, Some(Keyword::Else));
             return true;
         }
