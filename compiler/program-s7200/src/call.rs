@@ -90,21 +90,34 @@ impl Binder<'_> {
         if formal.ty == Type::String {
             return self.string_argument(locals, actual);
         }
+        let class = class_of(formal);
+        if let Some(message) = self.misfitting_argument(locals, formal, class, actual) {
+            self.push(message);
+            return None;
+        }
         let told = self.report.diagnostics.len();
-        let bound = self.argument_of_type(locals, formal, actual);
-        // The messages name the parameter, and no instruction.
+        let bound = self.argument_of_type(locals, formal, class, actual);
+        // The messages name the parameter, whose type is declared.
         for message in self.report.diagnostics.iter_mut().skip(told) {
             message.title = message.title.replace("the instruction needs", "the subroutine needs");
             message.title.push_str(&format!(", parameter `{}`", formal.name));
-            let help = message.help.as_deref().and_then(|help| help.strip_prefix("use the instruction for "));
-            if let Some((_, operand)) = help.and_then(|help| help.split_once(", or ")) {
-                message.help = Some(format!("name {operand}"));
+            if let Some(help) = &mut message.help
+                && let Some(at) = help.find("use an instruction for ")
+            {
+                help.truncate(at);
+                help.push_str(&format!("declare `{}` with another type", formal.name));
             }
         }
         bound
     }
 
-    fn argument_of_type(&mut self, locals: &Locals, formal: &Local, actual: &ast::Operand) -> Option<Operand> {
+    fn argument_of_type(
+        &mut self,
+        locals: &Locals,
+        formal: &Local,
+        class: OperandClass,
+        actual: &ast::Operand,
+    ) -> Option<Operand> {
         let input = formal.section == Section::Input;
         // Constants depend on the type of the parameter, not only on its width: 40000 is a WORD, but not an INT.
         if input && let Some(Settled::Constant(constant)) = self.settle_quietly(locals, actual) {
@@ -118,18 +131,6 @@ impl Binder<'_> {
                 return self.constant(&constant, target, actual.span).map(Operand::Const);
             }
         }
-        let class = match (formal.ty, input) {
-            (Type::Bool, true) => OperandClass::Bit,
-            (Type::Bool, false) => OperandClass::BitWrite,
-            (Type::Byte, true) => OperandClass::ByteIn,
-            (Type::Byte, false) => OperandClass::ByteOut,
-            (Type::Word | Type::Int, true) => OperandClass::WordIn,
-            (Type::Word | Type::Int, false) if formal.section == Section::Output => OperandClass::WordOutAnalog,
-            (Type::Word | Type::Int, false) => OperandClass::WordOut,
-            (Type::Dword | Type::Dint, true) => OperandClass::DwordInAddress,
-            (Type::Real, true) => OperandClass::RealIn,
-            (Type::Dword | Type::Dint | Type::Real | Type::String, _) => OperandClass::DwordOut,
-        };
         self.operand(locals, class, actual)
     }
 
@@ -275,6 +276,23 @@ impl Binder<'_> {
                 .label(format!("{what} must follow"))
                 .help(help),
         );
+    }
+}
+
+/// What a parameter takes.
+fn class_of(formal: &Local) -> OperandClass {
+    let input = formal.section == Section::Input;
+    match (formal.ty, input) {
+        (Type::Bool, true) => OperandClass::Bit,
+        (Type::Bool, false) => OperandClass::BitWrite,
+        (Type::Byte, true) => OperandClass::ByteIn,
+        (Type::Byte, false) => OperandClass::ByteOut,
+        (Type::Word | Type::Int, true) => OperandClass::WordIn,
+        (Type::Word | Type::Int, false) if formal.section == Section::Output => OperandClass::WordOutAnalog,
+        (Type::Word | Type::Int, false) => OperandClass::WordOut,
+        (Type::Dword | Type::Dint, true) => OperandClass::DwordInAddress,
+        (Type::Real, true) => OperandClass::RealIn,
+        (Type::Dword | Type::Dint | Type::Real | Type::String, _) => OperandClass::DwordOut,
     }
 }
 

@@ -13,6 +13,7 @@
 //! Source: S7-200 system manual, instruction set and compile rule violations.
 
 mod address;
+mod argument;
 mod body;
 mod call;
 mod constant;

@@ -115,7 +115,8 @@ impl Binder<'_> {
         vec![self.width_message(class, direct, needed, span).help(format!("write {}", statements.join(" or ")))]
     }
 
-    fn form_of(&self, locals: &Locals, operand: &ast::Operand) -> Form {
+    /// What an operand is, as far as its form and its symbol show.
+    pub fn form_of(&self, locals: &Locals, operand: &ast::Operand) -> Form {
         match &operand.kind {
             OperandKind::Direct(direct) => Form::Place(*direct),
             OperandKind::Constant(constant) => Form::of(constant),
@@ -138,8 +139,8 @@ impl Binder<'_> {
     }
 }
 
-/// What an operand is, as far as its form and its symbol show.
-enum Form {
+/// Forms of operands.
+pub enum Form {
     Place(ast::Direct),
     Constant,
     /// A constant with a point or an exponent.

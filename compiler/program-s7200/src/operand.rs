@@ -147,7 +147,7 @@ pub fn wanted(class: OperandClass) -> &'static str {
     }
 }
 
-fn width_name(width: Width) -> &'static str {
+pub fn width_name(width: Width) -> &'static str {
     match width {
         Width::Bit => "a bit",
         Width::Byte => "a byte",
@@ -319,12 +319,17 @@ impl Binder<'_> {
     /// The address has another width than the class.
     pub fn width_message(&self, class: OperandClass, direct: Direct, width: Width, span: Span) -> Diagnostic {
         let own = direct.width.map_or("of another width", width_name);
-        let shown = match self.is_symbol(span) {
-            true => format!("`{}` ({})", self.written(span), address::text(direct)),
-            false => address::text(direct),
-        };
+        let shown = self.shown(direct, span);
         let title = format!("{shown} is {own}, the instruction needs {} (0090)", width_name(width));
         Diagnostic::new(Code::OperandKind, span, title).label(format!("expected: {}", wanted(class)))
+    }
+
+    /// The operand at `span`, which is `direct`, for a message.
+    pub fn shown(&self, direct: Direct, span: Span) -> String {
+        match self.is_symbol(span) {
+            true => format!("`{}` ({})", self.written(span), address::text(direct)),
+            false => address::text(direct),
+        }
     }
 
     /// What has this width in place of the operand at `span`, which is `direct`.
