@@ -370,7 +370,11 @@ fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::Code
         call.formals
             .iter()
             .filter(|formal| formal.output == output)
-            .map(|formal| variable(&formal.name, parameter_type(&formal.shape, output, fb, span), span))
+            .map(|formal| {
+                let member = shape.members.iter().find(|(name, _)| fb && *name == fold(&formal.name));
+                let whole = member.map_or_else(|| formal.shape.clone(), |(_, member)| joined(&formal.shape, member));
+                variable(&formal.name, parameter_type(&whole, output, fb, span), span)
+            })
             .collect()
     };
     section(SectionKind::Input, formals(false));
@@ -398,6 +402,26 @@ fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::Code
         code: ast::Code::Scl(scl::Body::default()),
         span,
     }
+}
+
+/// What calls show about a parameter, with what uses of the same component of an instance show.
+fn joined(formal: &Shape, member: &Shape) -> Shape {
+    let mut whole = formal.clone();
+    let fits = |ty: &DataType| match (formal.width, ty) {
+        (Some(width), DataType::Elementary(ty)) => width.bits() == ty.bits(),
+        (Some(_), _) => false,
+        (None, _) => true,
+    };
+    if whole.ty.is_none() {
+        whole.ty = member.ty.clone().filter(fits);
+    }
+    whole.literal = whole.literal.or_else(|| member.literal.clone());
+    whole.width = whole.width.or(member.width);
+    if whole.width.is_none() && whole.members.is_empty() && whole.elements.is_none() {
+        whole.members.clone_from(&member.members);
+        whole.elements.clone_from(&member.elements);
+    }
+    whole
 }
 
 /// Gives a stub the parameters that its calls describe. Other data that the program uses stays.
