@@ -226,11 +226,17 @@ impl Reader<'_> {
         let is_text = is_text(&source, text);
         let plain = if is_text { text.to_string() } else { with_tolerance(text) };
         let text = plain.as_str();
+        if !is_text && ["!=", "<>"].iter().any(|sign| text.trim_start().starts_with(sign)) {
+            return Err(format!("`{text}`: a comparison is not possible here; write the value that is expected"));
+        }
         let compared = text.trim_start().strip_prefix(['<', '>', '=']).map(|rest| rest.trim_start_matches(['=', '>']));
         if let Some(number) = compared.map(str::trim).filter(|number| !is_text && !number.is_empty()) {
             return Err(format!(
                 "`{text}`: a comparison is not possible here; write a value, with a tolerance as in `\"{number} +- 0.1\"`"
             ));
+        }
+        if let Some(meant) = range(text).filter(|_| !is_text) {
+            return Err(format!("`{text}`: a range is written as its middle with a tolerance, as in `\"{meant}\"`"));
         }
         let Some((middle, tolerance)) = text.split_once("+-").filter(|_| !is_text) else {
             return Ok((source, source.parse(text, self.image)?, 0.0));
@@ -337,6 +343,15 @@ fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec
         }
         value => flat.push((name.to_string(), value, offset)),
     }
+}
+
+/// The tolerance that `5..9` means; another one where the middle is no whole number.
+fn range(text: &str) -> Option<String> {
+    let (low, high) = text.split_once("..")?;
+    let (low, high) = (low.trim().parse::<f64>().ok()?, high.trim_start_matches('.').trim().parse::<f64>().ok()?);
+    let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+    let is_plain = middle.fract() == 0.0 || low.fract() != 0.0 || high.fract() != 0.0;
+    Some(if is_plain { format!("{middle} +- {half}") } else { "50 +- 0.5".to_string() })
 }
 
 /// Whether the value is a text, in which each sign is itself.

@@ -98,6 +98,14 @@ pub fn syntax(message: &str, place: &str, line: &str) -> Wrong {
         let line = line.trim_end_matches(',').trim_end();
         return wrong("a line has no `,` at its end", format!("write `{line}`"));
     }
+    // `set = [ "I0.0" = 1 ]`
+    if message.contains("unexpected `=` in array")
+        && let Some((key, pairs)) = line.split_once('=')
+        && let Some(pairs) = pairs.trim().strip_prefix('[').and_then(|pairs| pairs.strip_suffix(']'))
+    {
+        let help = format!("write `{} = {{ {} }}`", key.trim(), pairs.trim());
+        return wrong("names with their values are written in braces", help);
+    }
     // `expect = { "MW10" > 5 }`
     if message.contains("missing assignment") && place.starts_with(['<', '>']) {
         return wrong(

@@ -205,6 +205,9 @@ fn parts_of_a_table_have_commas_between_them() {
         ("string values must be quoted, expected literal string", "parts are separated by `,`, not by `;`");
     same(quotes, "set = { \"Start\" = 1; }", title, "write `set = { \"Start\" = 1 }`");
     let comma = "missing comma between key-value pairs, expected `,`";
+    let list = "unexpected `=` in array, expected array close, `]`";
+    let braces = "names with their values are written in braces";
+    same(list, "set = [\"I0.0\" = 1]", braces, "write `set = { \"I0.0\" = 1 }`");
     same(comma, "set = { \"a\" = 1; \"b;c\" = 0 }", title, "write `set = { \"a\" = 1, \"b;c\" = 0 }`");
 }
 
