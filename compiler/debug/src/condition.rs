@@ -185,6 +185,9 @@ fn token(rest: &str, first: char) -> Result<(Token<'_>, &str), String> {
         };
         return Ok((Token::Text(literal(number)?), after));
     }
+    if let Some((text, after)) = typed_literal(rest) {
+        return Ok((Token::Text(literal(text)?), after));
+    }
     if first.is_alphabetic() || matches!(first, '_' | '#' | '"' | '%') {
         let (name, after) = with_type(rest, name(rest)?);
         return Ok((word(name, after)?, after));
@@ -209,11 +212,25 @@ fn word<'a>(name: &'a str, after: &str) -> Result<Token<'a>, String> {
     if after.trim_start().starts_with('(') {
         return text(&name.to_ascii_lowercase());
     }
-    // `T#5s`, `W#16#FF`, but not `#x`.
-    if name.find('#').is_some_and(|at| at > 0) {
-        return Ok(Token::Text(literal(name)?));
-    }
     Ok(Token::Name(name))
+}
+
+/// Types whose literals have `-` and `:` in them.
+const DATES: [&str; 10] =
+    ["D", "DATE", "TOD", "TIME_OF_DAY", "LTOD", "DT", "DATE_AND_TIME", "LDT", "DTL", "LTIME_OF_DAY"];
+
+/// A literal with its type at the beginning of a text, `T#-5s`, `W#16#FF`, but not `#x`, and what follows.
+fn typed_literal(text: &str) -> Option<(&str, &str)> {
+    let (ty, value) = text.split_once('#')?;
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    if !ty.starts_with(|c: char| c.is_ascii_alphabetic()) || !ty.chars().all(is_part) {
+        return None;
+    }
+    let has_signs = DATES.iter().any(|date| date.eq_ignore_ascii_case(ty));
+    let is_within = |c: char| is_part(c) || matches!(c, '.' | '#') || has_signs && matches!(c, '-' | ':');
+    let digits = value.strip_prefix('-').unwrap_or(value);
+    let end = digits.find(|c: char| !is_within(c)).unwrap_or(digits.len());
+    Some(text.split_at(text.len() - digits.len() + end))
 }
 
 /// A name with its members and indices, at the beginning of a text. `Err`: the error.
@@ -300,7 +317,7 @@ fn literal(text: &str) -> Result<String, String> {
                 (None, assertion::Value::Bits(bits)) => whole(text, bits.into())?,
                 (None, _) => continue,
             };
-            return Ok(format!("{number}"));
+            return Ok(if number < 0.0 { format!("({number})") } else { format!("{number}") });
         }
     }
     Err(format!("`{text}` is not a value that can be compared here"))
@@ -331,6 +348,8 @@ mod tests {
             ("#r^.x + MW10^2", 54.0),
             ("r^ >= 5 AND r^=5", 1.0),
             ("DB1.t >= T#5s && DB1.t < T#5s1ms", 1.0),
+            ("DB1.t > T#-5s AND DB1.t-T#-5s = 10", 1.0),
+            ("MW10 - INT#-1 = 8", 1.0),
             ("MW10 = 16#7 & MW10 = W#16#7", 1.0),
             ("abs(0 - MW10) == 7.0e0", 1.0),
             ("max(MW10, 1e+2)", 100.0),
@@ -354,6 +373,8 @@ mod tests {
             ("\"Motor", "has no `\"`"),
             ("Nowhere > 1", "no Nowhere"),
             ("T#x", "not a value"),
+            ("DB1.d = D#2026-02-28", "`D#2026-02-28` is not a value"),
+            ("(DB1.d>TOD#12:30:00.5)", "`TOD#12:30:00.5` is not a value"),
             ("1x", "not a number"),
             ("MW10 as X > 1", "not a condition"),
             ("MW10 = 9007199254740993", "more digits than"),
