@@ -344,7 +344,7 @@ pub static CHAPTERS: &[Chapter] = &[
                 "?en =axis ?execute ?restart ?>done ?>busy ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
                 Instance("MC_Reset")),
             en("MC_Home", &["MC_Home"], &[],
-                "?en =axis ?execute ?position ?mode ?>done ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
+                "?en =axis ?execute ?position ?mode ?>done ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>referencemarkposition ?>eno",
                 Instance("MC_Home")),
             en("MC_Halt", &["MC_Halt"], &[],
                 "?en =axis ?execute ?deceleration ?jerk ?abortacceleration ?>done ?>busy ?>active ?>commandaborted ?>error ?>errorid ?>errorinfo ?>eno",
