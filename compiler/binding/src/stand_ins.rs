@@ -122,8 +122,16 @@ pub fn finish(
     places: &[Span],
     parts: Parts,
 ) -> Completed {
+    // A call that supplies a pointer may have been unreadable before, or left out since.
+    let pointers: FxHashSet<Span> = bound
+        .diagnostics
+        .iter()
+        .filter(|message| message.code == Code::MissingPointer && parts.left.is_empty())
+        .map(|message| message.primary.span)
+        .collect();
     let kept = |diagnostic: &Diagnostic| {
         !diagnostic.is_error()
+            && (diagnostic.code != Code::MissingPointer || pointers.contains(&diagnostic.primary.span))
             || diagnostic.code == Code::NoMainBlock
             || wrong.contains(&(diagnostic.code, diagnostic.primary.span))
     };
