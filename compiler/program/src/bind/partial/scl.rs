@@ -160,8 +160,9 @@ impl Look<'_, '_> {
             | NodeKind::Index { .. } => {
                 // Steps also examine indices.
                 let place = self.steps(ctx, node);
-                if self.hint_of(ctx, node).is_none()
-                    && let Some((start, steps, span)) = place
+                let known = self.hint_of(ctx, node);
+                if let Some((start, steps, span)) = place
+                    && (known.is_none() || steps.is_empty() && self.is_of_type(&start, hint))
                 {
                     self.note(ctx, &start, &steps, span, hint);
                 }
@@ -178,6 +179,15 @@ impl Look<'_, '_> {
             }
             NodeKind::Binary { .. } => self.chain(ctx, node, hint),
         }
+    }
+
+    /// Whether a missing data block stands where a structure with a name is expected: it is one of that type.
+    fn is_of_type(&self, start: &Start, hint: Option<&Hint>) -> bool {
+        let is_missing = |(prefix, number): (BlockPrefix, u16)| {
+            prefix == BlockPrefix::Db && !self.program.globals.sources.data.contains_key(&number)
+        };
+        matches!(hint, Some(Hint::Type(ty)) if is_named(ty))
+            && self.meant(start).and_then(|meant| meant.numbered()).is_some_and(is_missing)
     }
 
     /// Operators in a row, all of one kind.
@@ -410,7 +420,7 @@ impl Look<'_, '_> {
                 Some(ty) => parameter_hint(ty),
                 None => None,
             };
-            if self.hint_of(ctx, value).is_none() {
+            if matches!(self.hint_of(ctx, value), None | Some(Hint::DataBlock)) {
                 self.expect(ctx, value, hint.as_ref());
             }
         }

@@ -335,7 +335,27 @@ pub fn members(shape: &Shape, span: Span) -> Vec<Variable> {
     list
 }
 
+/// The data type of the program that all uses of a name as a whole and of its components fit.
+fn data_type(shape: &Shape) -> Option<&StructType> {
+    match &shape.ty {
+        Some(DataType::Struct(structure))
+            if !structure.name.is_empty()
+                && structure.instance_of.is_none()
+                && structure.refers_to.is_none()
+                && (shape.members.is_empty() || has_components(shape))
+                && shape.extent <= structure.bytes =>
+        {
+            Some(structure)
+        }
+        _ => None,
+    }
+}
+
 fn content(shape: &Shape, span: Span) -> (DataContent, String) {
+    if let Some(structure) = data_type(shape) {
+        let what = format!("a data block of type {}", structure.name);
+        return (DataContent::OfType(written_structure(structure, span)), what);
+    }
     if let (Some(elements), true) = (&shape.elements, shape.members.is_empty()) {
         let _ = elements;
         return (DataContent::Array(type_of(shape, span), None), "a substitute array".to_string());
