@@ -1,11 +1,13 @@
 //! Raw tokens to tokens with a meaning, line by line: the first word of a line decides what the line is.
 //!
-//! - Here: lines in general, comments, and statements; `operand`: their operands, with those of `CALL` in other languages in `call`.
+//! - Here: lines in general, comments, and statements; `operand`: their operands, with those of `CALL` in other languages in `call` and
+//!   numbers in other forms in `number`.
 //! - `frame`: blocks, networks and sections; `declaration`: variables, and lines of a data block.
 
 mod call;
 mod declaration;
 mod frame;
+mod number;
 mod operand;
 
 use std::ops::Range;

@@ -80,6 +80,10 @@ impl<'a> Classifier<'a, '_> {
                 at += 1;
                 continue;
             }
+            if self.bare_point(&tokens[at - 1..]) {
+                at += 1;
+                continue;
+            }
             let token_of = self.operand(token);
             self.push(token.range(), token_of);
         }
