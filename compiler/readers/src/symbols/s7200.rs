@@ -7,6 +7,7 @@
 use plcc_diag::Span;
 use plcc_syntax::{s7200, stl};
 
+use super::format::names_addresses;
 use super::{Reader, S7200Symbol, lines, parse_address};
 
 /// Separators of the columns.
@@ -24,7 +25,13 @@ fn is_constant(text: &str) -> bool {
         && digits.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '#' | '.' | '_' | '+' | '-'))
         && (digits.contains('#') || digits.parse::<f64>().is_ok());
     let quoted = |quote: char| text.len() > 2 && text.starts_with(quote) && text.ends_with(quote);
-    number || quoted('\'')
+    number || quoted('\'') || quoted('"') && !is_quoted_cell(text)
+}
+
+/// Whether a text in double quotes is an address or a number in the quotes of a cell, and not a string constant.
+fn is_quoted_cell(text: &str) -> bool {
+    let inner = text.trim_matches('"').trim();
+    inner.is_empty() || parse_address(inner).is_some() || is_address(inner)
 }
 
 /// The separator of the table `text`; none: it is not a table.
@@ -97,7 +104,8 @@ impl Reader<'_> {
             let mut fields = cells.splitn(3, separator);
             let (name, address) = (fields.next().unwrap_or_default(), fields.next().unwrap_or_default());
             let comment = fields.next().unwrap_or_default().trim().trim_matches('"').to_string();
-            if header && !is_address(address) && parse_address(address).is_none() {
+            let is_title = names_addresses(address.trim().trim_matches('"'));
+            if header && (is_title || !is_address(address) && parse_address(address).is_none()) {
                 continue;
             }
             // `row` reports addresses that only S7-300 has.

@@ -126,6 +126,11 @@ fn tables_for_the_s7_200() {
             [row("Motor", "Q0.0", "pump"), row("Level", "VW100", "")]
         );
     }
+    // String constants are in double quotes, but so may be all cells.
+    let constants =
+        "Symbol\tAddress\tComment\nGreeting\t\"Hello, all\"\ttext\nLetter\t'A'\t\nLevel\tVW100\t\nLamp\tQ0.0\t\n";
+    assert_eq!(rows_of_s7200(constants)[..2], [row("Greeting", "\"Hello, all\"", "text"), row("Letter", "'A'", "")]);
+    assert_eq!(s7200::separator("\"Motor\"\t\"VW0\"\t\"\"\n\"Level\"\t\"VW2\"\t\"\"\n"), None);
     // Both families can read these.
     let (table, _) = parse(FileId(0), &SourceFile::new("table", "Key\tI0.0\t\nLamp\tM1.5\t\n"));
     assert_eq!((table.symbols.len(), table.s7200.len()), (2, 2));

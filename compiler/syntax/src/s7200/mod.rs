@@ -78,12 +78,15 @@ pub fn address_text(direct: &ast::Direct) -> String {
     address::text(direct)
 }
 
-/// The constant that `text` is (`-5`, `16#FF`, `1.5`, `'AB'`), as in a symbol table.
+/// The constant that `text` is (`-5`, `16#FF`, `1.5`, `'AB'`, `"text"`), as in a symbol table.
 pub fn parse_constant(text: &str) -> Option<ast::Constant> {
     use ast::Constant;
     let text = text.trim();
     if let Some(inner) = text.strip_prefix('\'').and_then(|text| text.strip_suffix('\'')) {
         return constant::text(inner).ok().map(Constant::Characters);
+    }
+    if let Some(inner) = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
+        return constant::text(inner).ok().map(Constant::Text);
     }
     let digits = text.strip_prefix('+').unwrap_or(text);
     if let Ok((value, width)) = constant::based(digits, None) {
