@@ -72,8 +72,15 @@ impl SclBinder<'_, '_> {
                     }
                     give(low_bits(*value, ty))
                 }
-                Class::Float if ty == Elementary::Real => give(u64::from((*value as f32).to_bits())),
-                Class::Float => give((*value as f64).to_bits()),
+                Class::Float => {
+                    if *based {
+                        self.number_for_bits(span, *value, ty);
+                    }
+                    match ty {
+                        Elementary::Real => give(u64::from((*value as f32).to_bits())),
+                        _ => give((*value as f64).to_bits()),
+                    }
+                }
                 Class::Character | Class::Duration | Class::Date => {
                     let own = default_type(rules, constant);
                     let own = if *based && own == Elementary::Int { Elementary::Word } else { own };
@@ -148,6 +155,22 @@ impl SclBinder<'_, '_> {
                 self.unfit_constant(constant, span, ty)
             }
         }
+    }
+
+    /// Warns of a long constant in hexadecimal for a REAL or LREAL, which looks like its bits and is a number.
+    fn number_for_bits(&mut self, span: Span, value: i128, ty: Elementary) {
+        if value <= i128::from(u16::MAX) {
+            return;
+        }
+        let written = self.program.globals.text(span);
+        let bits = if ty == Elementary::Real { ("DWORD", "DW") } else { ("LWORD", "LW") };
+        let help = match written.starts_with(|first: char| first.is_ascii_digit()) {
+            true => format!("for these bits write `{}_TO_{}({}#{written})`", bits.0, ty.name(), bits.1),
+            false => "write the number in decimal, with a point".to_owned(),
+        };
+        let title = format!("`{written}` is a number here, not the bits of a value of type {}", ty.name());
+        let message = Diagnostic::new(Code::Tolerated, span, title).label(format!("taken as {value}.0"));
+        self.program.report(message.help(help));
     }
 
     fn unfit_constant(&mut self, constant: &Constant, span: Span, ty: Elementary) -> Option<Expr> {
