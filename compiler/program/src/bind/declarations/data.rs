@@ -325,6 +325,7 @@ impl Declarations<'_> {
         instance_of: Option<BlockKey>,
     ) -> BoundDb {
         let mut data = typed.image.to_vec();
+        let mut given: FxHashMap<(u32, u8), Span> = FxHashMap::default();
         for assignment in &source.values {
             let first = match &assignment.target.root {
                 PathRoot::Local { name, span } | PathRoot::Quoted { name, span } | PathRoot::Bare { name, span } => {
@@ -340,6 +341,13 @@ impl Declarations<'_> {
             if let Some(target) = target
                 && !self.refuses_one_value(&assignment.target, &assignment.value, &target.ty)
             {
+                let span = assignment.target.span;
+                if matches!(target.ty, DataType::Elementary(_))
+                    && let Some(first) = given.insert((target.byte, target.bit), span)
+                {
+                    let name = self.globals.text(span);
+                    self.given_twice(&name, span, first, Severity::Warning);
+                }
                 self.encode_initial(&assignment.value, &target.ty, &mut data, target.byte, target.bit);
             }
         }

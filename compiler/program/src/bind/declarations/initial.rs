@@ -7,12 +7,14 @@ use plcc_syntax::ast::{BlockName, BlockPrefix, Bound, CellKind, InitialKind, Ini
 use plcc_syntax::count::counted;
 use plcc_syntax::literal::Literal;
 use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
+use rustc_hash::FxHashMap;
 
 use crate::bind::declarations::Declarations;
 use crate::bind::declarations::pointer::pointer_bytes;
 use crate::bind::declarations::typed::put;
 use crate::bind::globals::Globals;
 use plcc_binding::constant::Constant;
+use plcc_binding::fold;
 use plcc_binding::value::{Mismatch, Place, elementary_bytes, literal_kind};
 use plcc_model::layout;
 use plcc_model::types::{ArrayType, DataType, Elementary, ParameterType, StructType};
@@ -356,7 +358,14 @@ impl Declarations<'_> {
         image: &mut [u8],
         byte: u32,
     ) -> Option<()> {
+        let mut given: FxHashMap<String, Span> = FxHashMap::default();
         for (at, (name, value)) in fields.iter().enumerate() {
+            if let Some(name) = name
+                && let Some(first) = given.insert(fold(&name.text), name.span)
+            {
+                self.given_twice(&name.text, name.span, first, Severity::Error);
+                return None;
+            }
             let member = match name {
                 Some(name) => match self.types.member(structure, &name.text) {
                     Some(member) => member,
@@ -383,6 +392,16 @@ impl Declarations<'_> {
             self.encode(value, &member.ty, image, byte + member.byte, member.bit)?;
         }
         Some(())
+    }
+
+    /// Reports a second value for what has got one.
+    pub fn given_twice(&mut self, name: &str, second: Span, first: Span, severity: Severity) {
+        let mut message = Diagnostic::new(Code::InitialValue, second, format!("`{name}` gets a start value twice"))
+            .label("the second value")
+            .also(first, "the first one")
+            .help("remove one of them");
+        message.severity = severity;
+        self.report(message);
     }
 
     fn surplus(&mut self, span: Span) {
