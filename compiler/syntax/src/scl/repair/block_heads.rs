@@ -1,5 +1,5 @@
 //! First lines of blocks of other languages: `FUNCTION "Sum" (a : Int) : Int`, `FUNCTION Int "Sum"`, `FUNCTION "Sum" RETURNS Int`,
-//! `FUNCTION_BLOCK "Sum" : Int`.
+//! `FUNCTION_BLOCK "Sum" : Int`, `FUNCTION_BLOCK "Sum";`.
 
 use super::Repair;
 use super::sections::plain;
@@ -17,7 +17,8 @@ impl Repair<'_> {
             && (self.parameters_in_head(token)
                 || self.type_before_name(token)
                 || self.returns(token)
-                || self.value_of_function_block(token))
+                || self.value_of_function_block(token)
+                || self.end_of_head(token))
     }
 
     /// Whether the token before `at` is the name of a block.
@@ -102,6 +103,19 @@ impl Repair<'_> {
         self.report(at, at + 2, title, "a function block has outputs", help);
         self.absent.insert(plain(self.words(at - 1, at - 1)), true);
         self.drop_tokens(at, at + 2);
+        true
+    }
+
+    /// `FUNCTION_BLOCK "Sum";`, `FUNCTION "Sum" : Int;`
+    fn end_of_head(&mut self, token: RawToken) -> bool {
+        let at = self.at;
+        let typed = at >= 2 && self.kind(at - 2) == Some(RawKind::Colon) && self.follows_name(at - 2);
+        if token.kind != RawKind::Semicolon || !(typed || self.follows_name(at)) {
+            return false;
+        }
+        let title = "the first line of a block has no `;`".to_owned();
+        self.report(at, at + 1, title, "one sign too many", "remove the `;`".to_owned());
+        self.drop_tokens(at, at + 1);
         true
     }
 
