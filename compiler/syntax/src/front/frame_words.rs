@@ -323,6 +323,10 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
                 if token.text.eq_ignore_ascii_case("END") {
                     return meant(1, if self.structures > 0 { "END_STRUCT" } else { "END_VAR" });
                 }
+                // `END_VAR_INPUT`
+                if token.text.get(..8).is_some_and(|begin| begin.eq_ignore_ascii_case("END_VAR_")) {
+                    return meant(1, "END_VAR");
+                }
                 if let Some(keyword) = slip_of(token.text, SECTION_ENDS) {
                     return meant(1, keyword);
                 }
