@@ -207,7 +207,8 @@ impl<'t> Repair<'t> {
                 }
                 Area::Statements => {
                     self.note_late_section(token);
-                    if !(self.commented_divisor(token)
+                    if !(self.line_of_others(token)
+                        || self.commented_divisor(token)
                         || self.absent_use(token)
                         || self.enumerated_value(token)
                         || self.head_alone(token)

@@ -1,4 +1,4 @@
-//! Whole statements of other languages: `let x = 5`, `do … while (c)`, `try`, `-- text`, `(INT)x`, `f(a b)`, `ELSE:`.
+//! Whole statements of other languages: `let x = 5`, `do … while (c)`, `try`, `-- text`, `(INT)x`, `f(a b)`, `ELSE:`, `#define`.
 
 use super::{Edit, Repair, begins_operand, ends_operand};
 use crate::Elementary;
@@ -333,6 +333,42 @@ impl Repair<'_> {
         self.edits.push(Edit { first: at, after: at, with: vec![semicolon] });
         self.note(semicolon);
         false
+    }
+
+    /// `#define MAX 10`, `#include "io.h"`, `import math`
+    pub(super) fn line_of_others(&mut self, token: RawToken) -> bool {
+        const TOGETHER: &str = "remove it: all sources that are named together are one program";
+        let at = self.at;
+        if !token.first_on_line || !self.brackets.is_empty() || self.head.is_some() || token.keyword.is_some() {
+            return false;
+        }
+        let word = self.slice(token);
+        let after = (at + 1..self.tokens.len()).find(|index| self.tokens[*index].first_on_line);
+        let after = after.unwrap_or(self.tokens.len());
+        let next = self.beside(at + 1).filter(|next| next.keyword.is_none()).map(|next| next.kind);
+        let (title, help) = match (word.to_ascii_lowercase().as_str(), next) {
+            ("#define", Some(RawKind::Word)) => {
+                let value = if after > at + 2 { self.words(at + 2, after - 1) } else { "…" };
+                let ty = match (value.parse::<i16>(), value.parse::<i32>(), value.parse::<f64>()) {
+                    (Ok(_), ..) => "Int",
+                    (_, Ok(_), _) => "DInt",
+                    (.., Ok(_)) => "Real",
+                    _ => "…",
+                };
+                let name = self.words(at + 1, at + 1);
+                let help = format!("declare a constant in the block: `VAR CONSTANT {name} : {ty} := {value}; END_VAR`");
+                ("SCL has no preprocessor", help)
+            }
+            ("#include", Some(RawKind::Quoted | RawKind::Less)) => ("SCL has no preprocessor", TOGETHER.to_owned()),
+            ("import" | "from", Some(RawKind::Word)) if !self.is_declared(word) => {
+                ("a source of SCL imports nothing", TOGETHER.to_owned())
+            }
+            _ => return false,
+        };
+        self.report(at, after, title.to_owned(), "a form of other languages", help);
+        self.drop_tokens(at, after);
+        self.statement = self.at;
+        true
     }
 
     /// `ELSE:`, `THEN:`, `DO:`, as in Python. After ELSE of CASE it is allowed.
