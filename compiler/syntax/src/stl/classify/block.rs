@@ -49,8 +49,8 @@ impl<'a> Classifier<'a, '_> {
         self.block_name(self.slice(opening));
         match frame {
             Frame::Code => self.second_name(opening, function),
-            Frame::Data => self.colon_before_type(opening),
-            Frame::Type => {}
+            Frame::Data => self.sign_before_type(opening),
+            Frame::Type => self.colon_after_name(opening),
         }
         if function && self.kind_at(self.at) == Some(RawKind::Colon) {
             let next = self.at + 1;
@@ -116,22 +116,41 @@ impl<'a> Classifier<'a, '_> {
         );
     }
 
-    /// `DATA_BLOCK DB 1 : "Motor"`, if it has no structure of its own.
-    fn colon_before_type(&mut self, opening: RawToken) {
-        let Some(colon) = self.peek().filter(|token| token.kind == RawKind::Colon && !token.first_on_line) else {
-            return;
-        };
+    /// `DATA_BLOCK DB 1 : "Motor"`, `DATA_BLOCK DB 1, FB 1`, if it has no structure of its own.
+    fn sign_before_type(&mut self, opening: RawToken) {
+        let is_sign = |token: &RawToken| matches!(token.kind, RawKind::Colon | RawKind::Comma) && !token.first_on_line;
+        let Some(sign) = self.peek().filter(is_sign) else { return };
         let mut rest = self.raw.iter().enumerate().skip(self.at + 1).take(TYPE_TOKENS_MAX);
         let next_line = rest.find(|(_, token)| token.first_on_line).map_or(usize::MAX, |(at, _)| at);
         if next_line == self.at + 1 || self.upper(next_line).as_str() == "STRUCT" {
             return;
         }
-        let head = self.text[opening.start as usize..colon.start as usize].trim_end();
-        let ty = self.text[colon.end as usize..].lines().next().unwrap_or_default().trim();
+        let head = self.text[opening.start as usize..sign.start as usize].trim_end();
+        let ty = self.text[sign.end as usize..].lines().next().unwrap_or_default().trim();
+        let title = format!("a data block has no `{}` before its type", self.slice(sign));
         self.report(
-            Diagnostic::new(Code::BlockFrame, self.span(colon), "a data block has no `:` before its type")
+            Diagnostic::new(Code::BlockFrame, self.span(sign), title)
                 .label("read without it")
                 .help(format!("write `{head} {ty}`")),
+        );
+        self.at += 1;
+    }
+
+    /// `TYPE UDT 1 : STRUCT`
+    fn colon_after_name(&mut self, opening: RawToken) {
+        let Some(colon) = self.peek().filter(|token| token.kind == RawKind::Colon && !token.first_on_line) else {
+            return;
+        };
+        if self.raw_at(self.at + 1).is_some_and(|next| !next.first_on_line)
+            && self.upper(self.at + 1).as_str() != "STRUCT"
+        {
+            return;
+        }
+        let head = self.text[opening.start as usize..colon.start as usize].trim_end();
+        self.report(
+            Diagnostic::new(Code::BlockFrame, self.span(colon), "a data type has no `:` after its name")
+                .label("read without it")
+                .help(format!("write `{head}`, and `STRUCT` on the next line")),
         );
         self.at += 1;
     }
