@@ -24,9 +24,7 @@ impl Trace {
         let is_value = |at: usize| at != time && header[at] != "cycle";
         let mut trace = Trace::default();
         for (_, name) in header.iter().enumerate().filter(|(at, _)| is_value(*at)) {
-            let (name, unit) = name.rsplit_once(" in ").unwrap_or((name, ""));
-            let name = name.rsplit_once(" as ").map_or(name, |(name, _)| name);
-            let key = names.key(name, Scope::default()).unwrap_or_else(|| name.to_string());
+            let (name, key, unit) = column(name, names);
             trace.columns.push((name.to_string(), key));
             trace.units.push(unit.to_string());
         }
@@ -52,6 +50,21 @@ impl Trace {
         let Some((_, values)) = self.rows.get(self.row(ms)) else { return HashMap::new() };
         self.columns.iter().zip(values).map(|((_, key), value)| (key.clone(), value.clone())).collect()
     }
+}
+
+/// The name of a column without type and unit, its key, and its unit. A tag may be called `Pump in use`.
+fn column<'a>(text: &'a str, names: &Names) -> (&'a str, String, &'a str) {
+    // A name is written without quotes, whatever its letters are.
+    let key = |name: &str| {
+        let quoted = || names.key(&format!("\"{name}\""), Scope::default());
+        names.key(name, Scope::default()).or_else(quoted)
+    };
+    if let Some(key) = key(text) {
+        return (text, key, "");
+    }
+    let (name, unit) = text.rsplit_once(" in ").unwrap_or((text, ""));
+    let name = name.rsplit_once(" as ").map_or(name, |(name, _)| name);
+    (name, key(name).unwrap_or_else(|| name.to_string()), unit)
 }
 
 /// Fields of a line of CSV.

@@ -183,6 +183,25 @@ fn constants_are_drawn_as_their_author_wrote_them() {
 }
 
 #[test]
+fn columns_of_a_trace_are_found_by_names_with_any_letters() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("the folder can be written");
+    write("main.stl", "A \"Start (left)\"\nA \"Pump in use\"\n= \"Pump\"\n");
+    let symbols = [("Start (left)", "I 0.0"), ("Pump", "Q 0.0"), ("Pump in use", "M 0.0")];
+    let symbols = symbols.map(|(name, address)| format!("\"{name}\",\"{address}\",\"BOOL\",\"\"\n"));
+    write("symbols.sdf", &symbols.concat());
+    write("trace.csv", "cycle,time_ms,Start (left),Pump,Pump in use,MD20 as REAL in l\n0,0,1,0,1,2.5\n");
+    let arguments = ["view", "main.stl", "symbols.sdf", "--html", "page.html", "--state", "trace.csv"];
+    let output = plcc(folder, &arguments);
+    let page = fs::read_to_string(folder.join("page.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let columns = r#"[["Start (left)","I0.0"],["Pump","Q0.0"],["Pump in use","M0.0"],["MD20","MD20"]]"#;
+    assert!(page.contains(&format!("\"columns\":{columns}")), "{page}");
+    assert!(page.contains(r#""units":["","","","l"]"#), "{page}");
+}
+
+#[test]
 fn components_of_a_data_block_have_initial_values_and_comments() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
