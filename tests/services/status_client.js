@@ -30,6 +30,7 @@ async function look(tab) {
   await until(tab, "the first instance", `/DB 1 "First"/.test(document.querySelector("#status-seen").textContent)`);
   const sum = `[...${page}.querySelectorAll("text.v")].some((text) => text.textContent === "`;
   await until(tab, "its sum", `${sum}6")`);
+  await until(tab, "elements of an array at its pins", `${sum}40") && ${sum}45")`);
   await until(tab, "both calls", `[...document.querySelector("#status-call").options].length === 3`);
   await tab(`{
     const call = document.querySelector("#status-call");

@@ -131,6 +131,11 @@ pub struct Label {
 }
 
 impl Label {
+    /// Whether it is no constant. Elements of arrays and parts of words have no key, but what they are is told at their places.
+    fn has_value(&self) -> bool {
+        !self.key.is_empty() || self.place.is_some() && self.text.starts_with(['"', '#', '%'])
+    }
+
     /// A text that is not an operand.
     pub fn plain(text: impl Into<String>) -> Label {
         Label { text: text.into(), ..Label::default() }
@@ -188,7 +193,7 @@ impl Sheet {
             let room = " ".repeat(characters(ty));
             for pin in &mut part.pins {
                 if let Link::Operand(label) = &mut pin.link
-                    && !label.key.is_empty()
+                    && label.has_value()
                 {
                     label.value = Some(room.clone());
                 }
