@@ -398,15 +398,16 @@ fn a_chart_with_german_addresses_is_drawn_with_them() {
 
 /// As the editor draws them. A project in XML has only the pins that are connected.
 #[test]
-fn timers_and_counters_have_all_of_their_outputs() {
+fn timers_counters_and_flip_flops_have_all_of_their_outputs() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     let source = "FUNCTION_BLOCK Wait\n  VAR\n    t : TON_TIME;\n    c : CTUD_INT;\n  END_VAR\n  { S7_Language := \"LAD\" }\n  \
                   NETWORK\n    RUNG wire#powerrail Contact( %M0.0 ) { S7_Templates := \"time_type := Time\" } \
                   #t.TON( pt := T#2s ) Coil( %M0.1 ) END_RUNG\n  END_NETWORK\n  { S7_Language := \"LAD\" }\n  NETWORK\n    \
                   RUNG wire#powerrail Contact( %M0.2 ) { S7_Templates := \"value_type := Int\" } \
-                  #c.CTUD( cd := %M0.3, r := FALSE, ld := FALSE, pv := 5, cv => %MW4 ) END_RUNG\n  END_NETWORK\n\
-                  END_FUNCTION_BLOCK\n";
+                  #c.CTUD( cd := %M0.3, r := FALSE, ld := FALSE, pv := 5, cv => %MW4 ) END_RUNG\n  END_NETWORK\n  \
+                  { S7_Language := \"LAD\" }\n  NETWORK\n    RUNG wire#powerrail Contact( %M0.4 ) \
+                  S_SR( operand := %M1.0, r1 := %M0.5 ) END_RUNG\n  END_NETWORK\nEND_FUNCTION_BLOCK\n";
     fs::write(folder.join("wait.s7dcl"), source).expect("the folder can be written");
     let arguments = ["view", "wait.s7dcl", "--cpu", "s7-1500", "-o", "drawings"];
     let output = plcc(folder, &arguments);
@@ -426,6 +427,8 @@ fn timers_and_counters_have_all_of_their_outputs() {
     let counter = picture(2);
     let outputs = ["QU", "QD", "CV"].map(|pin| row(&counter, pin));
     assert_eq!(outputs, ["CU", "CD", "R"].map(|pin| row(&counter, pin)));
+    let flip_flop = picture(3);
+    assert_eq!(row(&flip_flop, "Q"), row(&flip_flop, "S"));
 }
 
 #[test]

@@ -282,9 +282,13 @@ impl Sheet {
         }
     }
 
-    /// The box of an IEC timer or counter has all of its outputs, also those that nothing is connected to.
+    /// The box of a flip-flop, an IEC timer or a counter has all of its outputs, also those that nothing is connected to.
     fn add_outputs(&mut self, at: usize, row: &Row) {
-        let is_cell = matches!(row.kind, Kind::Instance(_)) && row.flow.1 != "eno";
+        let is_cell = match row.kind {
+            Kind::Instance(_) => row.flow.1 != "eno",
+            Kind::FlipFlop { .. } => true,
+            _ => false,
+        };
         let outputs = row.pins().filter(|pin| pin.direction == PinDirection::Output && pin.name() != "eno");
         let mut next = self.parts[at].pins.iter().position(|pin| pin.output).unwrap_or(self.parts[at].pins.len());
         for output in outputs.filter(|_| is_cell) {
