@@ -539,6 +539,21 @@ fn what_follows_a_join_is_below_it() {
     assert_eq!(place("At4"), place("At5"), "{picture}");
 }
 
+/// A step whose name is its number is named once.
+#[test]
+fn an_arrow_names_a_step_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK FB1\nINITIAL_STEP S1 (*$_NUM 1*):\nEND_STEP\nSTEP S2 (*$_NUM 2*):\nEND_STEP\nTRANSITION T1 (*$_NUM 1*)\n  \
+                  FROM S1\n  TO S2\nCONDITION := I0.0\nEND_TRANSITION\nTRANSITION T2 (*$_NUM 2*)\n  FROM S2\n  TO S1 (*$_JUMP*)\n\
+                  CONDITION := I0.1\nEND_TRANSITION\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("chart.gr7"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "chart.gr7", "-o", "pictures"]);
+    let picture = fs::read_to_string(folder.join("pictures/FB_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    assert_eq!(picture.matches(">S1<").count(), 2, "{picture}");
+}
+
 /// Two transitions join the same paths, and their ways come together again.
 #[test]
 fn alternatives_after_a_join_need_no_arrows() {

@@ -317,7 +317,8 @@ impl<'a> Maker<'a> {
 
     fn name(&self, step: usize) -> String {
         let step = &self.body.steps[step];
-        format!("S{} {}", step.number, step.name.text)
+        let own = format!("S{}", step.number);
+        if step.name.text == own { own } else { format!("{own} {}", step.name.text) }
     }
 
     fn arrow(&self, step: usize) -> Piece {
