@@ -103,6 +103,23 @@ fn a_counter_with_bld_is_a_box() {
     }
 }
 
+/// Pointers, for which networks have no constants, are drawn as they are written.
+#[test]
+fn a_call_with_pointers_after_a_contact_is_a_box() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nA I 0.0; JNB _001;\nCALL SFC 20 (SRCBLK := P#M 0.0 BYTE 4, RET_VAL := MW 50, \
+                  DSTBLK := P#DB10.DBX0.0 BYTE 4);\n_001: NOP 0;\nEND_FUNCTION\nDATA_BLOCK DB 10\nSTRUCT\n  a : DWORD;\nEND_STRUCT\n\
+                  BEGIN\nEND_DATA_BLOCK\n";
+    fs::write(folder.join("move.awl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "move.awl", "--cpu", "315-2DP", "-o", "drawings"]);
+    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for text in ["I 0.0", "EN", "P#M 0.0 BYTE 4", "MW 50", "P#DB10.DBX0.0 BYTE 4"] {
+        assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
+    }
+}
+
 /// STEP 7 writes `SAVE; BEC` for the coil RET.
 #[test]
 fn a_conditional_end_is_a_coil() {

@@ -318,7 +318,15 @@ impl Reader<'_> {
                 Some(_) => written.push(actual),
                 None => {}
             }
-            let mut made = operand_pin(&parameter.name, actual, None, is_output)?;
+            let mut made = match operand_pin(&parameter.name, actual, None, is_output) {
+                // A picture has the words of the statement: `P#M 0.0 BYTE 4`.
+                Err(_) if self.is_picture => {
+                    let span = Span { end: actual.span.start, ..actual.span };
+                    let value = Expr { kind: ExprKind::Error, span };
+                    pin(&parameter.name, PinValue::Operand(value), false, is_output, actual.span)
+                }
+                made => made?,
+            };
             made.span = parameter.name_span;
             if let OperandKind::Literal(Literal::Real(number)) = actual.kind
                 && self.types.formal(call, &parameter.name, self.block) == Some(Elementary::Lreal)
@@ -380,7 +388,6 @@ fn tail(rest: &[&Statement]) -> Tail {
     }
 }
 
-/// A pin with an operand; `ty`: that of a constant.
 /// A number at a LREAL. The constant of a statement has the digits of a REAL; up to six of them are all that the author wrote.
 fn long_real(number: f32, span: Span) -> Result<Expr, Reason> {
     let text = format!("{number:e}");
@@ -395,6 +402,7 @@ fn long_real(number: f32, span: Span) -> Result<Expr, Reason> {
     }
 }
 
+/// A pin with an operand; `ty`: that of a constant.
 fn operand_pin(name: &str, operand: &Operand, ty: Option<&str>, output: bool) -> Result<Pin, Reason> {
     let value = expression(operand)?;
     let value = ty.map_or(value.clone(), |ty| typed(value, ty));
