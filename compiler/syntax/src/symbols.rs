@@ -3,7 +3,7 @@
 pub use plcc_abi::names::External;
 use plcc_diag::Span;
 
-use crate::ast::{Area, BlockPrefix, CellKind, Width};
+use crate::ast::{Area, BlockName, BlockPrefix, CellKind, Width};
 use crate::scl::ast::Expr;
 
 /// The rows of one table.
@@ -85,6 +85,11 @@ pub struct S7200Symbol {
     pub name_span: Span,
     pub address_span: Span,
     pub comment: String,
+}
+
+/// Whether a block has a name of its own, `"Cyclic interrupt"`, rather than a number, `OB 30` or `"OB30"`.
+pub fn has_own_name(name: &BlockName) -> bool {
+    matches!(name, BlockName::Symbol { name, .. } if parse_address(name).is_none())
 }
 
 /// Reads an address: letters, optional blanks, a number, and for bits a point and the bit.

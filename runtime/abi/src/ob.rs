@@ -53,6 +53,8 @@ pub struct ObClassRow {
 
 /// OBs from this number on have the class from their block or from plc.toml, else that of the program cycle.
 pub const OB_FREE: u16 = 123;
+/// Period of a new cyclic interrupt of the TIA Portal in milliseconds, whatever its number.
+pub const CYCLIC_PERIOD_MS: u32 = 100;
 /// Largest number of an OB of an S7-1200/1500.
 pub const OB_NUMBER_MAX: u16 = 32_767;
 

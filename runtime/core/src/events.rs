@@ -3,7 +3,7 @@
 //! Source: System and standard functions, organization blocks.
 
 use plcc_abi::image::{Config, Family, Profile};
-use plcc_abi::ob::{OB_FREE, ObClass};
+use plcc_abi::ob::{CYCLIC_PERIOD_MS, OB_FREE, ObClass};
 
 /// Bytes of start information at the head of an OB's TEMP.
 pub const START_INFO_BYTES: usize = 20;
@@ -130,13 +130,11 @@ pub fn priority(ob: u16, profile: &Profile, config: &Config) -> u8 {
     }
 }
 
-/// Default period of a cyclic interrupt in milliseconds. An OB that the TIA Portal adds for an S7-1200/1500 has 100 ms, whatever its number.
-pub fn default_period_ms(ob: u16, family: Family) -> u32 {
-    if family.is_portal() || ob >= OB_FREE { 100 } else { classic_period_ms(ob) }
-}
-
-/// Default period of OB 30 to OB 38 of an S7-300/400 in milliseconds.
-fn classic_period_ms(ob: u16) -> u32 {
+/// Default period of a cyclic interrupt in milliseconds. Blocks of the TIA Portal have their period in the configuration.
+pub fn default_period_ms(ob: u16) -> u32 {
+    if ob >= OB_FREE {
+        return CYCLIC_PERIOD_MS;
+    }
     [5000, 2000, 1000, 500, 200, 100, 50, 20, 10][usize::from(ob.clamp(30, 38) - 30)]
 }
 
@@ -284,7 +282,7 @@ pub fn usual(ob: u16, class: Option<ObClass>) -> Option<Event> {
     let info = match model(ob, class) {
         10..=17 => StartInfo::new(0x11, cause(0x11, 10, ob), ob),
         20..=23 => StartInfo::new(0x11, cause(0x21, 20, ob), ob),
-        30..=38 => StartInfo::new(0x11, cause(0x31, 30, ob), ob).word(10, classic_period_ms(ob) as u16),
+        30..=38 => StartInfo::new(0x11, cause(0x31, 30, ob), ob).word(10, default_period_ms(ob) as u16),
         40..=47 => StartInfo::new(0x11, 0x41, ob).byte(5, 0x54),
         55..=57 => StartInfo::new(0x11, 0x55 + (ob - 55) as u8, ob),
         80 => StartInfo::new(0x35, 0x01, ob),

@@ -52,7 +52,6 @@ pub struct Schedule {
 impl Schedule {
     pub(crate) fn new(image: &ProgramImage, blocks: &[BlockEntry]) -> Schedule {
         let config = &image.config;
-        let family = image.profile.family;
         let of = |table: &[(u16, u32)], ob: u16| table.iter().find(|(number, _)| *number == ob).map(|(_, ms)| *ms);
         let loaded = |class: ObClass| {
             let obs = blocks.iter().filter(|block| block.kind == BlockKind::Ob).map(|block| block.number);
@@ -62,7 +61,7 @@ impl Schedule {
             .map(|ob| Cyclic {
                 ob,
                 period: Cell::new(
-                    u64::from(of(&config.cyclic_period_ms, ob).unwrap_or(events::default_period_ms(ob, family)).max(1))
+                    u64::from(of(&config.cyclic_period_ms, ob).unwrap_or(events::default_period_ms(ob)).max(1))
                         * NS_PER_MS,
                 ),
                 phase: Cell::new(u64::from(of(&config.cyclic_phase_ms, ob).unwrap_or(0)) * NS_PER_MS),

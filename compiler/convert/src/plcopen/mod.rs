@@ -47,8 +47,8 @@ const ROUNDS_MAX: usize = 8;
 /// What is written of a program besides its sources.
 pub struct Settings<'s> {
     pub name: &'s str,
-    /// Period of a cyclic OB.
-    pub period_ms: &'s dyn Fn(u16) -> u32,
+    /// Period of a cyclic OB, which has a name of its own or not.
+    pub period_ms: &'s dyn Fn(u16, bool) -> u32,
 }
 
 /// Writes a program as one project.

@@ -3,6 +3,7 @@
 use plcc_abi::ob::ObClass;
 use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, DataContent};
 use plcc_syntax::scl::ast::{ExprKind, Statement, StatementKind};
+use plcc_syntax::symbols::has_own_name;
 
 use super::program::{Global, Program};
 use crate::node::Node;
@@ -53,11 +54,11 @@ fn class(program: &Program, block: &CodeBlock) -> (Option<u32>, Option<ObClass>)
     (number, said.unwrap_or_else(by_number))
 }
 
-/// The task of an OB. `period_ms`: of a cyclic OB by its number.
+/// The task of an OB. `period_ms`: of a cyclic OB by its number, and whether it has a name of its own.
 pub fn of_block(
     program: &Program,
     block: &CodeBlock,
-    period_ms: &dyn Fn(u16) -> u32,
+    period_ms: &dyn Fn(u16, bool) -> u32,
     writer: &mut Writer,
 ) -> Option<Task> {
     let key = program.key(&block.name);
@@ -65,7 +66,10 @@ pub fn of_block(
     let (number, class) = class(program, block);
     let period_ms = match class {
         Some(ObClass::ProgramCycle) => None,
-        Some(ObClass::Cyclic) => Some(period_ms(number.and_then(|number| u16::try_from(number).ok()).unwrap_or(30))),
+        Some(ObClass::Cyclic) => {
+            let number = number.and_then(|number| u16::try_from(number).ok()).unwrap_or(30);
+            Some(period_ms(number, has_own_name(&block.name)))
+        }
         class => {
             let what = class.map_or("another event", |class| class.row().word);
             let title =

@@ -1,5 +1,6 @@
 //! `plcc convert --to plcopen`: a whole program as one document.
 
+use plcc_abi::ob::CYCLIC_PERIOD_MS;
 use plcc_convert::own_types::OwnTypes;
 use plcc_convert::plcopen::{self, Settings, Unit};
 use plcc_convert::to_stl::types::Types;
@@ -65,9 +66,13 @@ pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnosti
     let cpu = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
     let named = cpu.and_then(|(name, _)| profile::lookup(name));
     let family = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units)).family;
-    let period_ms = |ob: u16| {
+    let period_ms = |ob: u16, has_own_name: bool| {
         let set = config.and_then(|config| config.cyclic_period_ms.iter().find(|(number, _)| *number == ob));
-        set.map_or_else(|| default_period_ms(ob, family), |(_, ms)| *ms)
+        match set {
+            Some((_, ms)) => *ms,
+            None if has_own_name && family.is_portal() => CYCLIC_PERIOD_MS,
+            None => default_period_ms(ob),
+        }
     };
     let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
     let mut notes = Vec::new();

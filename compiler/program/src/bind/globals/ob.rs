@@ -3,10 +3,11 @@
 //! Source: LAD/FBD reference for S7-1200, organization blocks.
 
 use plcc_abi::image::BlockKind;
-use plcc_abi::ob::{OB_CLASSES, OB_FREE, ObClass};
+use plcc_abi::ob::{CYCLIC_PERIOD_MS, OB_CLASSES, OB_FREE, ObClass};
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::article::with_article;
 use plcc_syntax::ast;
+use plcc_syntax::symbols::has_own_name;
 
 use crate::bind::globals::Globals;
 use crate::bind::globals::sources::CodeSource;
@@ -41,6 +42,7 @@ impl Globals<'_> {
             .collect();
         obs.sort_unstable_by_key(|(number, _)| *number);
         for (number, block) in obs {
+            self.cyclic_period(number, block);
             if self.config.ob_classes.iter().any(|(ob, _)| *ob == number) {
                 continue;
             }
@@ -77,6 +79,15 @@ impl Globals<'_> {
                 Some(class) if ObClass::of_number(number) == Some(class) => {}
                 Some(class) => self.wrong_class(number, class, block.name.span()),
             }
+        }
+    }
+
+    /// The period of a cyclic interrupt of the TIA Portal, whose blocks have names, unless plc.toml sets it.
+    fn cyclic_period(&mut self, number: u16, block: &ast::CodeBlock) {
+        let is_portal = self.input.profile.family.is_portal() && has_own_name(&block.name);
+        let is_set = self.config.cyclic_period_ms.iter().any(|(ob, _)| *ob == number);
+        if is_portal && !is_set && ObClass::of_number(number) == Some(ObClass::Cyclic) {
+            self.config.cyclic_period_ms.push((number, CYCLIC_PERIOD_MS));
         }
     }
 
