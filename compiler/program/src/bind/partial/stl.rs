@@ -271,6 +271,7 @@ impl Look<'_, '_> {
         if let Some(operand) = &call.instance
             && let Some((instance, steps, span)) = start_of_operand(ctx, operand)
         {
+            let known = known.and_then(|key| self.named_block(&start, key));
             self.instance(ctx, &instance, &steps, span, missing.filter(|_| is_missing), known);
         }
         if is_missing {
@@ -304,6 +305,19 @@ impl Look<'_, '_> {
         }
     }
 
+    /// How a declaration names a block that is known, and whether it is one of the library.
+    fn named_block(&self, called: &Start, key: BlockKey) -> Option<(Missing, bool)> {
+        let library = self.program.globals.library_block(key);
+        let name = match (library, called) {
+            // No source can name an instruction of the TIA Portal by a number.
+            (Some(block), _) if block.is_tia() => Missing::name(block.name),
+            // Its number may change, as long as no source fixes it.
+            (None, Start::Global(name)) => Missing::name(name),
+            _ => Missing::block(names::kind_prefix(key.kind), u32::from(key.number))?,
+        };
+        Some((name, library.is_some()))
+    }
+
     /// The instance of a call: of a block that is missing, or of one that is known.
     fn instance(
         &mut self,
@@ -312,24 +326,20 @@ impl Look<'_, '_> {
         steps: &[Step],
         span: Span,
         missing: Option<Missing>,
-        known: Option<BlockKey>,
+        known: Option<(Missing, bool)>,
     ) {
-        let library = known.and_then(|key| self.program.globals.library_block(key));
+        let in_library = known.as_ref().is_some_and(|(_, in_library)| *in_library);
         // The binder creates the instance of a known block. A component can only be one of a block of the library.
         let is_new = match steps {
             [] => {
                 missing.is_some() || matches!(start, Start::Global(name) if self.program.globals.global(name).is_none())
             }
-            _ => missing.is_none() && library.is_some(),
+            _ => missing.is_none() && in_library,
         };
         if !is_new {
             return;
         }
-        let of = missing.or_else(|| match library {
-            // No source can name an instruction of the TIA Portal by a number.
-            Some(block) if block.is_tia() => Some(Missing::name(block.name)),
-            _ => known.and_then(|key| Missing::block(names::kind_prefix(key.kind), u32::from(key.number))),
-        });
+        let of = missing.or(known.map(|(name, _)| name));
         let is_whole = steps.is_empty();
         self.with_shape(ctx, start, steps, span, &mut |shape| {
             shape.is_db |= is_whole;
