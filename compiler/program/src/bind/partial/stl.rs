@@ -227,6 +227,7 @@ impl Look<'_, '_> {
                 let known = match &start {
                     // Only another use may show whether a missing name is a cell or a bit.
                     Start::Global(name) if self.is_missing(name) => false,
+                    _ if steps.is_empty() && !self.is_known_block(&start) => false,
                     Start::Block(prefix, number) => {
                         Missing::block(*prefix, *number).is_none_or(|missing| !self.found.things.contains_key(&missing))
                             && self.is_known_start(ctx, &start)
@@ -239,6 +240,12 @@ impl Look<'_, '_> {
                 }
             }
         }
+    }
+
+    /// False for a code block that nothing defines, such as `FB 3` at a parameter of type BLOCK_FB.
+    fn is_known_block(&mut self, start: &Start) -> bool {
+        let Some((prefix, number)) = self.meant(start).and_then(|meant| meant.numbered()) else { return true };
+        names::code_kind(prefix).is_none() || self.is_block(prefix, u32::from(number))
     }
 
     fn is_known_start(&mut self, _ctx: &SclBlock, start: &Start) -> bool {
