@@ -39,6 +39,29 @@ fn one_cycle_is_not_cycles() {
     assert_eq!(both(folder, &["--clock", "virtual", "--cycles", "2"], 0), "ended after 2 cycles\n");
 }
 
+/// A bad pointer leaves an S7-200 in RUN: the statement does nothing.
+#[test]
+fn errors_that_leave_an_s7_200_in_run_are_told_at_the_end() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD SM0.0\nMOVW 5, *VD100\nEND_ORGANIZATION_BLOCK\n";
+    std::fs::write(folder.join("main.awl"), source).expect("the folder can be written");
+    let run = |flags: &[&str]| {
+        let fixed = ["run", "main.awl", "--clock", "virtual", "--cycles", "3"];
+        let output = command(PLCC, folder, &[&fixed[..], flags].concat());
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let said = run(&[]);
+    assert!(said.starts_with("ended after 3 cycles\nfirst of 3 non-fatal errors: "), "{said}");
+    assert_eq!(
+        said.matches("0006: indirect addressing error; MAIN (OB 1), network 1, main.awl:5\n").count(),
+        2,
+        "{said}"
+    );
+    assert_eq!(run(&["--quiet"]), "");
+}
+
 #[test]
 fn a_repeated_run_is_not_recorded() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -379,6 +379,9 @@ fn finish(cpu: &Cpu, options: &RunOptions, mut session: Session, cycles: u64) ->
         for entry in cpu.diagnostics.newest_first() {
             say!("{}", diagnostics::line(&cpu.image, &entry));
         }
+    }
+    // Errors that leave an S7-200 in RUN are easily missed.
+    if options.diag || !options.quiet && cpu.stopped().is_none_or(|stop| stop.asked) {
         cpu.s7200_error_report().iter().for_each(|line| say!("{line}"));
     }
     if let Some(Err(error)) = session.recorder.map(Recorder::finish) {
