@@ -21,6 +21,8 @@ struct Number {
     loaded: bool,
     /// What instructions of another width take it for.
     other_width: Option<OtherWidth>,
+    /// Its value, if it is a decimal constant.
+    constant: Option<i32>,
 }
 
 /// A constant that is another number to instructions of another width.
@@ -51,7 +53,8 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
             continue;
         };
         let span = statement.span;
-        let calculated = |real, whole| Some(Number { real, whole, span, loaded: false, other_width: None });
+        let calculated =
+            |real, whole| Some(Number { real, whole, span, loaded: false, other_width: None, constant: None });
         if let Some((real, compares)) = calculation(*insn) {
             let has_int = [accu1, accu2].into_iter().flatten().any(|number| number.whole == Some(Elementary::Int));
             let is_address = has_int && !compares && becomes_address(&statements[at + 1..]);
@@ -87,11 +90,14 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
                         false => Some(transferred(number, ty, span, sources)),
                     });
                 } else if let (Some(number), Operand::Memory { width, .. }) = (accu1, operand)
-                    && number.real
                     && width.bits() < 32
                     && !is_cut_in_halves(statements, at)
                 {
-                    found.push(cut_off(number, *width, span, sources));
+                    found.extend(match (number.real, number.constant) {
+                        (true, _) => Some(cut_off(number, *width, span, sources)),
+                        (false, Some(value)) => too_large(value, number, *width, span, sources),
+                        (false, None) => None,
+                    });
                 }
             }
             StlInsn::SwapAccu => std::mem::swap(&mut accu1, &mut accu2),
@@ -120,7 +126,7 @@ pub fn review(statements: &[StlStatement], declared: &NumberTypes, sources: &Sou
             }
             StlInsn::AddConst => {
                 // Another number of the same kind.
-                accu1 = accu1.map(|number| Number { other_width: None, ..number });
+                accu1 = accu1.map(|number| Number { other_width: None, constant: None, ..number });
             }
             insn if is_function_of_real(*insn) => {
                 if let Some(number) = accu1.filter(|number| !number.real) {
@@ -250,7 +256,7 @@ fn keeps_accus(insn: StlInsn) -> bool {
 
 /// What a statement loads, if its constant or declared type says so. The bits of 0 are those of 0.0.
 fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, sources: &SourceMap) -> Option<Number> {
-    let (mut whole, mut other_width) = (None, None);
+    let (mut whole, mut other_width, mut constant) = (None, None, None);
     let real = match operand {
         Operand::Const { value: 0, .. } => return None,
         Operand::Const { value, .. } => {
@@ -265,6 +271,7 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
                         true => i16::try_from(number).is_err().then_some(OtherWidth::Short(number as i16)),
                         false => text.starts_with('-').then_some(OtherWidth::Long(number)),
                     };
+                    constant = Some(if text.starts_with('-') { i32::from(number as i16) } else { number });
                     false
                 }
                 () if number.starts_with(|c: char| c.is_ascii_digit()) && number.contains('.') => true,
@@ -293,7 +300,7 @@ fn loaded(load: &StlStatement, operand: &Operand, declared: &NumberTypes, source
         }
         _ => return None,
     };
-    Some(Number { real, whole, span: load.span, loaded: true, other_width })
+    Some(Number { real, whole, span: load.span, loaded: true, other_width, constant })
 }
 
 /// The operand of a statement, as written: also of `L-5`, where no blank is before it.
@@ -406,6 +413,20 @@ fn cut_off(number: Number, width: Width, span: Span, sources: &SourceMap) -> Dia
     let message = Diagnostic::new(Code::MixedNumbers, span, title).label(format!("stores the lower {bits} bits of it"));
     let note = if number.loaded { "loaded here" } else { "calculated here" };
     message.also(number.span, note).help(conversion(number, sources))
+}
+
+/// A constant that is stored in fewer bits than it needs.
+fn too_large(value: i32, number: Number, width: Width, span: Span, sources: &SourceMap) -> Option<Diagnostic> {
+    let bits = width.bits();
+    let (low, high) = (-(1 << (bits - 1)), (1 << bits) - 1);
+    if (low..=high).contains(&value) {
+        return None;
+    }
+    let (variable, constant) = (operand_text(span, sources), operand_text(number.span, sources));
+    let title = format!("`{variable}` has {bits} bits, but `{constant}` needs more");
+    let message = Diagnostic::new(Code::MixedNumbers, span, title).label(format!("stores {}", value & high));
+    let help = format!("load a number from {low} to {high}, or transfer it to more bits");
+    Some(message.also(number.span, "loaded here").help(help))
 }
 
 fn transferred(number: Number, ty: Elementary, span: Span, sources: &SourceMap) -> Diagnostic {
