@@ -18,7 +18,7 @@ impl Repair<'_> {
                 || self.type_before_name(token)
                 || self.returns(token)
                 || self.value_of_function_block(token)
-                || self.end_of_head(token))
+                || self.semicolon_after_head(token))
     }
 
     /// Whether the token before `at` is the name of a block.
@@ -107,7 +107,7 @@ impl Repair<'_> {
     }
 
     /// `FUNCTION_BLOCK "Sum";`, `FUNCTION "Sum" : Int;`
-    fn end_of_head(&mut self, token: RawToken) -> bool {
+    fn semicolon_after_head(&mut self, token: RawToken) -> bool {
         let at = self.at;
         let typed = at >= 2 && self.kind(at - 2) == Some(RawKind::Colon) && self.follows_name(at - 2);
         if token.kind != RawKind::Semicolon || !(typed || self.follows_name(at)) {
