@@ -21,8 +21,9 @@ fn record(call: &Call, index: usize, access: Access) -> Result<(u32, Range), u16
     let address = match (is_portal, access) {
         (true, Access::Read) => hardware::first_output(call, call.word(0)),
         (true, Access::Write) => hardware::first_input(call, call.word(0)),
-        (false, _) => u32::from(call.word(0)),
+        (false, _) => Some(u32::from(call.word(0))),
     };
+    let address = address.ok_or(0x8090u16)?;
     let fits = match range.type_code {
         BYTE => true,
         BOOL | any::STRING | any::WIDE_STRING => false,

@@ -63,24 +63,29 @@ fn module_at<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
     })
 }
 
-/// First byte of the inputs that DPRD_DAT reads with the hardware identifier `id`. The identifier of no module is an address.
-pub(super) fn first_input(call: &Call, id: u16) -> u32 {
+/// First byte of the inputs that DPRD_DAT reads with the hardware identifier `id`. The identifier of no module is an address. `None`: the
+/// module has no inputs.
+pub(super) fn first_input(call: &Call, id: u16) -> Option<u32> {
     let id = by_address(call, id);
-    let address = u32::from(id & !OUTPUTS);
     match module_at(call, id) {
-        Some(module) if id & OUTPUTS != 0 && module.input_bytes != 0 => module.input_start,
-        _ => address,
+        Some(module) if id & OUTPUTS != 0 => (module.input_bytes != 0).then_some(module.input_start),
+        _ => Some(u32::from(id & !OUTPUTS)),
     }
 }
 
 /// First byte of the outputs that DPWR_DAT writes with the hardware identifier `id`: those of the module, also if `id` is that of its inputs. The
-/// identifier of no module is an address.
-pub(super) fn first_output(call: &Call, id: u16) -> u32 {
-    let id = by_address(call, id);
-    let address = u32::from(id & !OUTPUTS);
-    let Some(module) = module_at(call, id) else { return address };
+/// identifier of no module is an address. `None`: the module has no outputs.
+pub(super) fn first_output(call: &Call, id: u16) -> Option<u32> {
+    let own = by_address(call, id);
+    let address = u32::from(own & !OUTPUTS);
+    let Some(module) = module_at(call, own) else { return Some(address) };
     let is_own = address >= module.output_start && address - module.output_start < module.output_bytes;
-    if module.output_bytes == 0 || is_own { address } else { module.output_start }
+    match module.output_bytes {
+        // An address, not an identifier, may also be that of another module.
+        0 => (own == id).then_some(address),
+        _ if is_own => Some(address),
+        _ => Some(module.output_start),
+    }
 }
 
 /// LADDR -> RET_VAL, PIADDR, PICOUNT, PQADDR, PQCOUNT.
@@ -220,7 +225,7 @@ fn part(call: &Call, access: Access) -> Result<(u32, Range), u16> {
         // Without modules every address exists.
         None => (start, PERIPHERAL_BYTES.saturating_sub(start)),
         Some(_) => {
-            let found = module(call, id & !OUTPUTS).or_else(|| module(call, id | OUTPUTS)).ok_or(NO_ADDRESS)?;
+            let found = module(call, id).or_else(|| module(call, id ^ OUTPUTS)).ok_or(NO_ADDRESS)?;
             let side = if outputs { found.output_start } else { found.input_start };
             let bytes = if outputs { found.output_bytes } else { found.input_bytes };
             if bytes == 0 {
