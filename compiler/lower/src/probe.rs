@@ -51,7 +51,8 @@ pub enum Probe {
     Written(Elementary),
     /// A statement of SCL is about to run that may have no value to tell: a call, a text, a structure, a jump. The value is 1.
     Ran,
-    /// The logic stack of an S7-200 after a statement: S0 is bit 0, ENO bit 9. The operands of the statement that have addresses.
+    /// The logic stack of an S7-200 after a statement: S0 is bit 0, ENO bit 9. The operands of the statement that have addresses,
+    /// with the type of numbers: `VW100 as INT`.
     Stack(Vec<String>),
     /// A statement or network is about to run.
     Statement(Kept),

@@ -9,7 +9,7 @@ use plcc_lower::probe::{Place, Probe};
 use plcc_model::{CellKind, Program};
 use plcc_runtime::cpu::Cpu;
 use plcc_runtime::monitor::steps::{self, StepSeen};
-use plcc_runtime::monitor::text_of;
+use plcc_runtime::monitor::{address_of, text_of};
 use plcc_runtime::probe::{Registers, Watcher};
 
 use crate::choice::Choice;
@@ -165,7 +165,8 @@ impl Watcher for Recorder {
     fn value(&self, cpu: &Cpu, place: u32, value: u64) {
         self.keep(place, |at| match &at.probe {
             Probe::Stack(operands) => {
-                let named = operands.iter().filter_map(|name| Some((name.clone(), text_of(cpu, name)?)));
+                let named =
+                    operands.iter().filter_map(|name| Some((address_of(name).to_string(), text_of(cpu, name)?)));
                 Seen::Stack(value, named.collect())
             }
             _ => Seen::Value(value),

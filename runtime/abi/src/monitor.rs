@@ -55,7 +55,8 @@ pub enum Tells {
     Value(AssertType),
     /// A value that is written.
     Written(AssertType),
-    /// The logic stack of an S7-200 after a statement: S0 is bit 0, ENO bit 9. The operands of the statement that have addresses.
+    /// The logic stack of an S7-200 after a statement: S0 is bit 0, ENO bit 9. The operands of the statement that have addresses,
+    /// with the type of numbers: `VW100 as INT`.
     Stack(Vec<String>),
     /// A statement has run that may have no value.
     Ran,

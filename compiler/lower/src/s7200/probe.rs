@@ -3,7 +3,7 @@
 use plcc_abi::layout::state;
 use plcc_ir::{Address, BinaryOp, Region, Type, Value, Var};
 use plcc_model::s7200::{Area, Insn, Operand, Statement, StatementKind, Width};
-use plcc_syntax::s7200::Acts;
+use plcc_syntax::s7200::{Acts, OperandClass};
 
 use super::block::S7200Lowering;
 use crate::probe::{self, Asked, Kept, Place, Probe};
@@ -32,15 +32,22 @@ impl S7200Lowering<'_, '_> {
 
     /// The logic stack after a statement.
     pub fn probe_statement(&mut self, statement: &Statement) {
-        let operands: &[Operand] = match &statement.kind {
-            StatementKind::Instruction { operands, .. } => operands,
-            StatementKind::Call { arguments, .. } => arguments,
+        let (operands, insn) = match &statement.kind {
+            StatementKind::Instruction { insn, operands } => (operands.as_slice(), Some(*insn)),
+            StatementKind::Call { arguments, .. } => (arguments.as_slice(), None),
             StatementKind::Assert(_) | StatementKind::Sleep(_) => return,
         };
         if !self.b.is_reachable() || self.output.probes.asked != Asked::Values {
             return;
         }
-        let (block, names) = (self.block.key(), operands.iter().filter_map(name));
+        let named = |(at, operand): (usize, &Operand)| {
+            let name = name(operand)?;
+            Some(match insn.and_then(|insn| number_type(insn, at)).filter(|_| is_number(operand)) {
+                Some(ty) => format!("{name} as {ty}"),
+                None => name,
+            })
+        };
+        let (block, names) = (self.block.key(), operands.iter().enumerate().filter_map(named));
         let (span, network) = (statement.span, statement.network);
         let place = || Place { block, span, network, probe: Probe::Stack(names.collect()) };
         let Some(place) = self.output.probes.add(place) else { return };
@@ -118,6 +125,27 @@ impl S7200Lowering<'_, '_> {
         }
         bits
     }
+}
+
+/// What kind of number an instruction has as an operand; `None`: bits.
+fn number_type(insn: Insn, at: usize) -> Option<&'static str> {
+    use OperandClass as C;
+    let classes = insn.operands();
+    let calculates = classes.iter().any(|class| matches!(class, C::IntIn | C::DintIn | C::RealIn))
+        || matches!(insn, Insn::IncW | Insn::DecW | Insn::IncD | Insn::DecD);
+    match classes.get(at)? {
+        C::RealIn | C::RealOut => Some("REAL"),
+        C::IntIn => Some("INT"),
+        C::DintIn => Some("DINT"),
+        C::WordOut if calculates => Some("INT"),
+        C::DwordOut if calculates => Some("DINT"),
+        _ => None,
+    }
+}
+
+/// Whether an operand is a word or double word in memory.
+fn is_number(operand: &Operand) -> bool {
+    matches!(operand, Operand::Memory { width: Width::Word | Width::Dword, .. })
 }
 
 /// The address of an operand whose value can be read at any time.

@@ -211,6 +211,11 @@ impl Cpu {
     }
 }
 
+/// The address of an operand that is read as a type: `VW100` of `VW100 as INT`.
+pub fn address_of(name: &str) -> &str {
+    name.split_once(" as ").map_or(name, |(address, _)| address)
+}
+
 /// The value of a named address as a text.
 pub fn text_of(cpu: &Cpu, name: &str) -> Option<String> {
     Source::find(name, &cpu.image, None).ok().map(|source| source.read(cpu, None).text())

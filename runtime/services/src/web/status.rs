@@ -4,7 +4,7 @@ use plcc_abi::ProgramImage;
 use plcc_abi::monitor::{BlockProbes, Probes, Tells};
 use plcc_runtime::monitor::history::Activation;
 use plcc_runtime::monitor::steps::StepSeen;
-use plcc_runtime::monitor::{Looked, Recorded, Seen};
+use plcc_runtime::monitor::{Looked, Recorded, Seen, address_of};
 use plcc_runtime::signal;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -132,7 +132,7 @@ fn shown(tells: &Tells, seen: Option<&Seen>) -> Value {
             json!([registers.status, accu1, accu2, ar1, ar2, registers.db, registers.di, cell])
         }
         (Tells::Stack(operands), Some(Seen::Stack(bits, values))) => {
-            let operands: Vec<(&String, &String)> = operands.iter().zip(values).collect();
+            let operands: Vec<(&str, &String)> = operands.iter().map(|name| address_of(name)).zip(values).collect();
             json!([bits, operands])
         }
         _ => Value::Null,
