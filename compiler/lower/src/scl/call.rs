@@ -470,7 +470,8 @@ impl BlockLowering<'_, '_> {
 
     fn call_block_instance(&mut self, call: &Call, callee: &CodeBlock, function: FuncId, instance: &Instance) {
         let at = self.instance_at(instance);
-        let given = match at.checks.is_empty() {
+        let exists = at.checks.iter().all(|check| self.b.constant_bits(check.ok) == Some(1));
+        let given = match exists {
             true => self.given_to_instance(at.addr, call, callee),
             false => self.given(call, callee),
         };
