@@ -1,4 +1,4 @@
-//! The statements that are meant by the signs of other languages: `LDW VW0 >= 5`, `+ I VW0, VW2`, `VW2 := VW0 + 5`.
+//! The statements that are meant by the signs of other languages: `LDW VW0 >= 5`, `+ I VW0, VW2`, `VW2 := VW0 + 5`, `MOV VW0, VW2`.
 
 use super::address;
 use super::ast::Area;
@@ -12,7 +12,7 @@ pub fn statement(line: &str) -> Option<String> {
         return parted_mnemonic(line).map(|written| format!("`{written}`"));
     }
     let compared = || comparison(&word.to_ascii_uppercase(), rest).map(|written| format!("`{written}`"));
-    assignment(word, rest).or_else(compared)
+    assignment(word, rest).or_else(compared).or_else(|| sized(&word.to_ascii_uppercase(), rest.trim()))
 }
 
 /// `LDW>= VW0, 5` for the mnemonic `LDW` (upper case) before `VW0 >= 5` or `!= VW0, 5`, and for `LD` before `VW0 >= 5`, whose
@@ -90,6 +90,36 @@ fn parted_mnemonic(line: &str) -> Option<String> {
     matches!(letter.as_str(), "I" | "D" | "R").then(|| format!("{}{letter} {operands}", &line[..1]))
 }
 
+/// `MOVW VW0, VW2` for `MOV VW0, VW2`, whose addresses tell the width. `word`: in upper case.
+fn sized(word: &str, operands: &str) -> Option<String> {
+    let (left, right) = match operands.split_once(',') {
+        Some((left, right)) => (left.trim(), Some(right.trim())),
+        None => (operands, None),
+    };
+    if !is_operand(left) || right.is_some_and(|right| !is_operand(right)) {
+        return None;
+    }
+    let is_constant = left.parse::<i64>().is_ok() || is_real(left);
+    let letter = match (letter_of(left, ""), right.and_then(|right| letter_of(right, left))) {
+        (Some(own), Some(other)) if own != other => return None,
+        (Some(own), _) => own,
+        (None, Some(other)) if is_constant => other,
+        (None, _) => return None,
+    };
+    let mnemonic = match (word, letter, right) {
+        ("MOV" | "MOVE", _, Some(_)) => format!("MOV{letter}"),
+        ("INC" | "DEC", 'B' | 'W' | 'D', None) => format!("{word}{letter}"),
+        ("ADD", 'W', Some(_)) => "+I".to_owned(),
+        ("SUB", 'W', Some(_)) => "-I".to_owned(),
+        ("SHL", 'B' | 'W' | 'D', Some(_)) => format!("SL{letter}"),
+        ("SHR", 'B' | 'W' | 'D', Some(_)) => format!("SR{letter}"),
+        ("ROL", 'B' | 'W' | 'D', Some(_)) => format!("RL{letter}"),
+        ("ROR", 'B' | 'W' | 'D', Some(_)) => format!("RR{letter}"),
+        _ => return None,
+    };
+    Some(format!("`{mnemonic} {operands}`"))
+}
+
 /// Whether the text is one operand.
 fn is_operand(text: &str) -> bool {
     let text = text.strip_prefix('-').unwrap_or(text);
@@ -127,6 +157,19 @@ mod tests {
         assert_eq!(comparison("LD", "I0.0 = Q0.0"), None);
         assert_eq!(comparison("LD", "VW0 >"), None);
         assert_eq!(written("IF VW0 > 5 THEN"), "");
+    }
+
+    #[test]
+    fn widths() {
+        let written = |line| statement(line).unwrap_or_default();
+        assert_eq!(written("MOV VW0, VW2"), "`MOVW VW0, VW2`");
+        assert_eq!(written("MOVE 1.5, VD0"), "`MOVR 1.5, VD0`");
+        assert_eq!(written("MOV 5, VB0"), "`MOVB 5, VB0`");
+        assert_eq!(written("INC VW0"), "`INCW VW0`");
+        assert_eq!(written("ADD VW0, VW2"), "`+I VW0, VW2`");
+        assert_eq!(written("SHL VB0, 2"), "`SLB VB0, 2`");
+        assert_eq!(written("MOV VW0, VB2"), "");
+        assert_eq!(written("ADD VD0, VD4"), "", "of DINT or REAL");
     }
 
     #[test]
