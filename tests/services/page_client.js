@@ -54,6 +54,10 @@ async function look(tab) {
   await tab(`[...${page}.querySelectorAll("main tr")].find((row) => row.textContent.startsWith("I0.0")).querySelector("a").click()`);
   await until(tab, "the network of the use", `/^#OB1.1$/.test(document.querySelector("#drawings").contentWindow.location.hash)`);
 
+  // The list of variables leads to the uses of a component of a data block.
+  await tab(`program.uses("Values.cycles")`);
+  await until(tab, "the uses of a component", `/Values.cycles DB2.DBD0\\s*OB 1, network 1/.test(${page}.querySelector("aside").textContent)`);
+
   // The head of the list of variables is as wide as its rows.
   await tab(`location.hash = "variables"; 0`);
   const cells = (row) => `document.querySelector("#variables ${row}")?.cells.length`;

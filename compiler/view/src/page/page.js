@@ -169,6 +169,17 @@ function range(key) {
 }
 const isUsed = (k) => cross.has(k) || data.uses[k] !== undefined;
 const ranges = [...cross.keys(), ...Object.keys(data.uses)].map((k) => [k, range(k)]).filter((r) => r[1]);
+// Addresses by names of components of data blocks: those that something uses, and those that stand on the pages of the blocks.
+const memberOf = new Map();
+for (const p of data.pages) if (/^DB \d+$/.test(p.id)) {
+  const path = [];
+  for (const [, name, , , , address, depth] of p.rows) {
+    path.length = depth;
+    path.push(name);
+    for (const db of [p.name, p.id]) if (db && address) memberOf.set(fold(`${db}.${path.join(".")}`), address);
+  }
+}
+for (const o of xref?.operands ?? []) if (o.symbol) memberOf.set(fold(o.symbol), o.address);
 function keyOf(text) {
   const t = text.replace(/^%/, "");
   if (isUsed(t)) return t;
@@ -176,6 +187,9 @@ function keyOf(text) {
   if (isUsed(upper)) return upper;
   const address = addressOf.get(fold(t));
   if (address) return address;
+  // Which element of an array a variable index means is not known.
+  const member = memberOf.get(fold(t)) ?? memberOf.get(fold(t).replace(/\[[^\]]*\]/g, "[*]"));
+  if (member) return member;
   const local = here >= 0 ? data.pages[here].id + (t.startsWith("#") ? t : "#" + t) : t;
   return data.uses[local] ? local : t;
 }
@@ -187,7 +201,7 @@ function uses(text, name = text) {
   if (i !== undefined) return go(i);
   const key = keyOf(text), r = range(key), how = HOW;
   const rows = (k) => (cross.get(k)?.uses ?? []).map(crossUse).join("") + (data.uses[k] ?? []).map(([p, s, h]) => `<a data-page="${p}" data-sec="${s}">${esc(data.pages[p].id)}${data.pages[p].secs[s].n ? ", network " + data.pages[p].secs[s].n : ""}: ${how[h]}</a>`).join("");
-  let h = `<span class="x">✕</span><b>${esc(symbolOf.get(key) ?? name)}</b> ${esc(key.replace(/^.*#/, "#"))}${rows(key)}`;
+  let h = `<span class="x">✕</span><b>${esc(symbolOf.get(key) || cross.get(key)?.symbol || name)}</b> ${esc(key.replace(/^[A-Z]+ \d+#/, "#"))}${rows(key)}`;
   if (r) for (const [k, o] of ranges) if (k !== key && o[0] === r[0] && o[1] < r[2] && r[1] < o[2]) h += `<br><b>overlaps ${esc(k)}</b> ${esc(symbolOf.get(k) ?? "")}${rows(k)}`;
   if (!isUsed(key)) h += "<br>no uses";
   $("#uses").innerHTML = h;
