@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 
 use plcc_abi::image::BlockKind;
-use plcc_model::types::{DataType, Elementary, Member};
-use plcc_model::{BlockKey, DataBlock, Direction, Program};
+use plcc_model::types::{ArrayType, DataType, Elementary, Member};
+use plcc_model::{BlockKey, DataBlock, Direction, Program, layout};
 
 use crate::sheet::Label;
 
@@ -177,7 +177,8 @@ impl Names {
         {
             return Some(address);
         }
-        (local).then(|| format!("#{}", parts.join(".")))
+        let name = parts.join(".").replace(".[", "[");
+        local.then(|| format!("#{name}"))
     }
 
     fn db_named(&self, root: &str) -> Option<&Db> {
@@ -300,8 +301,11 @@ fn walk(number: u16, ty: &DataType, byte: u32, bit: u8, path: &[String]) -> Opti
             let member = structure.members.iter().find(|member| member.name.eq_ignore_ascii_case(first))?;
             walk(number, &member.ty, byte.checked_add(member.byte)?, member.bit, rest)
         }
-        DataType::Array(_)
-        | DataType::Elementary(_)
+        DataType::Array(array) => {
+            let (offset, bit) = element(array, first)?;
+            walk(number, &array.element, byte.checked_add(offset)?, bit, rest)
+        }
+        DataType::Elementary(_)
         | DataType::DateAndTime
         | DataType::String(_)
         | DataType::WideString(_)
@@ -309,6 +313,21 @@ fn walk(number: u16, ty: &DataType, byte: u32, bit: u8, path: &[String]) -> Opti
         | DataType::OpenArray(_)
         | DataType::Void => None,
     }
+}
+
+/// Byte and bit of the element with these indices: `[2,1]`.
+fn element(array: &ArrayType, indices: &str) -> Option<(u32, u8)> {
+    let indices: Vec<&str> = indices.strip_prefix('[')?.strip_suffix(']')?.split(',').collect();
+    if indices.len() != array.bounds.len() {
+        return None;
+    }
+    let mut number = 0u64;
+    for (index, &(low, high)) in indices.into_iter().zip(&array.bounds) {
+        let (low, high) = (i64::from(low), i64::from(high));
+        let index = index.parse::<i64>().ok().filter(|index| (low..=high).contains(index))?;
+        number = number.checked_mul((high - low + 1) as u64)?.checked_add((index - low) as u64)?;
+    }
+    Some(layout::element_place(array, number))
 }
 
 /// A path without the indices of its arrays: `#lamps` of `#lamps[#at + 1]`.
@@ -338,13 +357,21 @@ fn path(text: &str) -> Option<(bool, Vec<String>)> {
     loop {
         let (part, after) = match rest.strip_prefix('"') {
             Some(quoted) => quoted.split_once('"')?,
-            None => rest.split_at(rest.find('.').unwrap_or(rest.len())),
+            None => rest.split_at(rest.find(['.', '[']).unwrap_or(rest.len())),
         };
         let plain = |c: char| c.is_alphanumeric() || c == '_' || c == ' ' || c == '-';
         if part.is_empty() || !rest.starts_with('"') && !part.chars().all(plain) {
             return None;
         }
         parts.push(part.to_string());
+        let mut after = after;
+        while let Some(list) = after.strip_prefix('[') {
+            let (list, rest) = list.split_once(']')?;
+            let index = |index: &str| index.trim().parse::<i64>().map(|index| index.to_string()).ok();
+            let indices: Vec<String> = list.split(',').map(index).collect::<Option<_>>()?;
+            parts.push(format!("[{}]", indices.join(",")));
+            after = rest;
+        }
         if after.is_empty() {
             break;
         }
@@ -445,7 +472,9 @@ mod tests {
     fn names_are_split_at_points() {
         assert_eq!(path("#a.b"), Some((true, vec!["a".into(), "b".into()])));
         assert_eq!(path("\"My DB\".x"), Some((false, vec!["My DB".into(), "x".into()])));
-        assert_eq!(path("a[3].b"), None);
+        assert_eq!(path("a[ 3,-1 ].b"), Some((false, vec!["a".into(), "[3,-1]".into(), "b".into()])));
+        assert_eq!(path("a[#i].b"), None);
+        assert_eq!(path("a[3"), None);
         assert_eq!(path("T#5s"), None);
         assert_eq!(path("16"), None);
     }

@@ -221,6 +221,24 @@ fn columns_of_a_trace_are_found_by_names_with_any_letters() {
 }
 
 #[test]
+fn elements_of_arrays_have_their_addresses() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("the folder can be written");
+    write(
+        "main.awl",
+        "DATA_BLOCK DB 1\nSTRUCT\n  a : ARRAY [1..3] OF INT;\n  b : ARRAY [0..9] OF BOOL;\nEND_STRUCT;\nBEGIN\n\
+         END_DATA_BLOCK\nORGANIZATION_BLOCK OB 1\nBEGIN\nNETWORK\n  A DB1.b[9];\n  = Q 0.0;\nEND_ORGANIZATION_BLOCK\n",
+    );
+    write("trace.csv", "cycle,time_ms,DB1.a[2],DB1.b[9],DB1.a[4]\n0,0,1,1,0\n");
+    let output = plcc(folder, &["view", "main.awl", "--html", "page.html", "--state", "trace.csv"]);
+    let page = fs::read_to_string(folder.join("page.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let columns = r#"[["DB1.a[2]","DB1.DBW2"],["DB1.b[9]","DB1.DBX7.1"],["DB1.a[4]","DB1.a[4]"]]"#;
+    assert!(page.contains(&format!("\"columns\":{columns}")), "{page}");
+}
+
+#[test]
 fn components_of_a_data_block_have_initial_values_and_comments() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
