@@ -177,6 +177,13 @@ impl Drawing {
         self.graph.add_net(&name, self.span)
     }
 
+    /// Whether an element from this number on is connected to the rail.
+    pub fn has_rung_since(&self, from: usize) -> bool {
+        let rail = self.rail.map(PinValue::Net);
+        let mut pins = self.graph.elements.iter().skip(from).flat_map(|element| &element.pins);
+        pins.any(|pin| Some(&pin.value) == rail.as_ref())
+    }
+
     /// An input that is connected to a signal.
     pub fn input(&mut self, name: &str, signal: &Signal) -> Result<Option<Pin>, Reason> {
         let (value, negated) = match self.language {

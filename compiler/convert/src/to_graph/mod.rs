@@ -3,11 +3,12 @@
 //! - [`drawing`]: signals as contacts in series and parallel, or as gates.
 //! - [`redraw`]: networks of LAD in FBD and back.
 //! - `statements`: what statements do, network by network; `logic` and `operand` are their parts, `boxes` what several statements are.
-//! - `local_data`: addresses that become variables.
+//! - `local_data`: addresses that become variables; `branches`: those that are lines of pictures.
 //!
 //! Source: LAD/FBD reference, chapter F.3.
 
 mod boxes;
+mod branches;
 pub mod drawing;
 mod local_data;
 mod logic;
@@ -25,6 +26,7 @@ use plcc_syntax::scl::ast::{Expr, ExprKind, Name};
 
 use crate::frames::bare;
 use crate::to_stl::types::Types;
+use statements::Purpose;
 
 /// A source whose blocks of STL, LAD and FBD are in `language`; the others stay as they are. With the reason for each network that cannot be drawn.
 pub fn unit(unit: &SourceUnit, types: &Types, language: Language) -> (SourceUnit, Vec<Diagnostic>) {
@@ -60,7 +62,7 @@ pub fn block(
     let jumps = statements::jumps(networks);
     for network in networks {
         let span = start(network, block);
-        match statements::graph(network, (block, &jumps), types, language, (span, false)) {
+        match statements::graph(network, (block, &jumps), types, language, (span, Purpose::Conversion)) {
             Ok(drawn) => {
                 notes.extend(drawn.notes);
                 messages.extend(of_open_instance(&drawn.graph, language));
@@ -121,7 +123,14 @@ pub fn pictures(block: &CodeBlock, types: &Types) -> Vec<Result<Network, Diagnos
     let mut pictures = Vec::with_capacity(networks.len());
     for network in networks {
         let span = start(network, block);
-        let drawn = statements::graph(network, (block, &jumps), types, Language::Lad, (span, true));
+        let draw = |branches: bool| {
+            let purpose = Purpose::Picture { branches };
+            statements::graph(network, (block, &jumps), types, Language::Lad, (span, purpose))
+        };
+        let drawn = match branches::are_in(network) {
+            true => draw(true).or_else(|_| draw(false)),
+            false => draw(false),
+        };
         pictures.push(match drawn {
             Ok(drawn) => Ok(made(network, Language::Lad, drawn.labels, drawn.graph, span)),
             Err(mut messages) => Err(messages.remove(0)),

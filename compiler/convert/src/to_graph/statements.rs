@@ -11,6 +11,7 @@ use plcc_syntax::stl::StlInsn;
 
 use crate::to_stl::types::Types;
 
+use super::branches::Branches;
 use super::drawing::{Drawing, Reason, Signal, pin};
 use super::logic::{Join, Logic};
 use super::operand::{Kind, compared, compares, expression, flag, keeps_bits, typed};
@@ -29,13 +30,23 @@ pub struct Refused {
     pub reason: Reason,
 }
 
-/// The labels of a network, and its elements. `is_picture`: types that are not known do not matter.
+/// What a network is drawn for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    Conversion,
+    /// Types that are not known do not matter. `branches`: bits of local data are lines.
+    Picture {
+        branches: bool,
+    },
+}
+
+/// The labels of a network, and its elements.
 pub fn graph(
     network: &ast::Network,
     (block, jumps): (&CodeBlock, &Jumps),
     types: &Types,
     language: Language,
-    (span, is_picture): (Span, bool),
+    (span, purpose): (Span, Purpose),
 ) -> Result<Drawn, Vec<Diagnostic>> {
     let mut reader = Reader {
         drawing: Drawing::new(language, span),
@@ -47,7 +58,8 @@ pub fn graph(
         types,
         block,
         jumps,
-        is_picture,
+        is_picture: purpose != Purpose::Conversion,
+        branches: (purpose == Purpose::Picture { branches: true }).then(Branches::default),
         closed: HashSet::new(),
         labels: Vec::new(),
         notes: Vec::new(),
@@ -68,6 +80,9 @@ pub fn graph(
     }
     if !reader.loads.is_empty() {
         return Err(vec![refusal(end, "a value in the accumulator that nothing uses", language)]);
+    }
+    if reader.branches.as_ref().is_some_and(Branches::has_unused) {
+        return Err(vec![refusal(end, "a branch that does not go on", language)]);
     }
     Ok(Drawn { labels: reader.labels, graph: reader.drawing.graph, notes: reader.notes })
 }
@@ -117,6 +132,8 @@ pub struct Reader<'a> {
     pub jumps: &'a Jumps,
     /// Types that are not known do not matter.
     pub is_picture: bool,
+    /// None: bits of local data are coils and contacts.
+    pub branches: Option<Branches>,
     /// Labels at the ends of boxes.
     pub closed: HashSet<String>,
     labels: Vec<Name>,
@@ -196,6 +213,9 @@ impl Reader<'_> {
     fn instruction(&mut self, insn: StlInsn, operand: Option<&Operand>, span: Span, last: bool) -> Result<(), Reason> {
         use StlInsn as I;
         let named = || format!("`{}` here", insn.mnemonic(plcc_syntax::stl::Mnemonics::En));
+        if let Some(done) = self.branch(insn, operand) {
+            return done;
+        }
         match insn {
             I::Nop | I::Display => Ok(()),
             I::And => self.scan(Join::And, operand, false),
@@ -379,7 +399,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn join(&mut self, join: Join, signal: Signal) {
+    pub fn join(&mut self, join: Join, signal: Signal) {
         if std::mem::replace(&mut self.fresh, false) {
             self.logic = Logic::default();
         }

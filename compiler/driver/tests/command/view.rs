@@ -103,6 +103,35 @@ fn a_counter_with_bld_is_a_box() {
     }
 }
 
+/// STEP 7 writes parallel boxes, and logic at the pin of a box, with bits of local data.
+#[test]
+fn a_local_bit_of_boxes_is_a_line() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let boxes = "NETWORK\nA I 0.0;\n= L 20.0;\nA L 20.0;\nJNB _001;\nL 1;\nT MW 30;\n_001: NOP 0;\nA L 20.0;\nJNB _002;\nL 2;\nT MW 32;\n\
+                 _002: NOP 0;\nA L 20.0;\nA I 0.1;\n= Q 4.0;\n";
+    let pin = "NETWORK\nA I 0.2;\nA I 0.3;\n= L 20.1;\nBLD 103;\nCALL FC 6 (a := L 20.1);\n";
+    // Another rung is executed before the last branch.
+    let late = "NETWORK\nA I 0.0;\n= L 20.2;\nA I 0.6;\nJNB _003;\nL 3;\nT MW 34;\n_003: NOP 0;\nA L 20.2;\n= Q 4.1;\n";
+    let source = format!(
+        "FUNCTION FC 5 : VOID\nBEGIN\n{boxes}{pin}{late}END_FUNCTION\nFUNCTION FC 6 : VOID\nVAR_INPUT\n  a : BOOL;\nEND_VAR\n\
+         BEGIN\nNETWORK\nA #a;\n= Q 4.2;\nEND_FUNCTION\n"
+    );
+    fs::write(folder.join("boxes.awl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "boxes.awl", "--cpu", "315-2DP", "-o", "drawings"]);
+    for (number, counts) in [
+        (1, [(">I 0.0<", 1), (">MOVE<", 2), (">L 20.0<", 0)]),
+        (2, [(">I 0.3<", 1), (">a<", 1), (">L 20.1<", 0)]),
+        (3, [(">I 0.6<", 1), (">MOVE<", 1), (">L 20.2<", 2)]),
+    ] {
+        let picture = fs::read_to_string(folder.join(format!("drawings/FC_5_network_{number}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        for (text, count) in counts {
+            assert_eq!(picture.matches(text).count(), count, "{text} in {picture}");
+        }
+    }
+}
+
 /// Pointers, for which networks have no constants, are drawn as they are written.
 #[test]
 fn a_call_with_pointers_after_a_contact_is_a_box() {

@@ -28,10 +28,19 @@ impl Maker<'_> {
             rungs
         });
         let drawn = match picture {
-            Some(picture) if rungs.is_err() || sheet::network::has_cells(&picture) => {
-                self.boxes(&network.statements, picture, scope).ok_or(String::new()).or(rungs)
+            Some(picture) => {
+                let is_better = rungs.is_err() || sheet::network::has_cells(&picture);
+                let has_bits = rungs.as_ref().is_ok_and(sheet::stl::has_local_bits);
+                match is_better || has_bits {
+                    true => self
+                        .boxes(&network.statements, picture, scope)
+                        .filter(|boxes| is_better || !sheet::stl::has_local_bits(boxes))
+                        .ok_or(String::new())
+                        .or(rungs),
+                    false => rungs,
+                }
             }
-            _ => rungs,
+            None => rungs,
         };
         // The text has its labels at their statements.
         let label = network.statements.first().and_then(|first| first.label.as_ref()).filter(|_| drawn.is_ok());

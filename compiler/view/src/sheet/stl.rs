@@ -387,6 +387,12 @@ impl Maker<'_> {
     }
 }
 
+/// Whether bits of local data are coils or contacts.
+pub fn has_local_bits(sheet: &Sheet) -> bool {
+    let mut pins = sheet.parts.iter().flat_map(|part| &part.pins);
+    pins.any(|pin| matches!(&pin.link, Link::Operand(label) if is_branch(label)))
+}
+
 /// A bit of local data by its address, `L 20.0`.
 fn is_branch(label: &Label) -> bool {
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());

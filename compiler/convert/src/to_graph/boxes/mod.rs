@@ -318,6 +318,10 @@ impl Reader<'_> {
                 Some(_) => written.push(actual),
                 None => {}
             }
+            if let Some(signal) = self.branches.as_mut().filter(|_| !is_output).and_then(|own| own.side(actual)) {
+                pins.push(self.drawing.side_input(&parameter.name, &signal)?);
+                continue;
+            }
             let mut made = match operand_pin(&parameter.name, actual, None, is_output) {
                 // A picture has the words of the statement: `P#M 0.0 BYTE 4`.
                 Err(_) if self.is_picture => {

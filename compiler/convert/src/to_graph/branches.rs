@@ -1,0 +1,89 @@
+//! Bits of local data with which STEP 7 writes branches: `= L 20.0; A L 20.0; …; A L 20.0; …`. In pictures they are lines.
+
+use std::collections::HashMap;
+
+use plcc_syntax::ast::{self, Area, Operand, OperandKind, StatementKind, Width};
+use plcc_syntax::stl::StlInsn;
+
+use super::drawing::{Reason, Signal};
+use super::logic::Join;
+use super::statements::Reader;
+
+/// What such bits keep, by their addresses.
+#[derive(Default)]
+pub struct Branches(HashMap<(u32, u8), Kept>);
+
+struct Kept {
+    signal: Signal,
+    /// How many elements there were.
+    elements: usize,
+    is_used: bool,
+}
+
+impl Branches {
+    /// A branch begins that does not go on.
+    pub fn has_unused(&self) -> bool {
+        self.0.values().any(|kept| !kept.is_used)
+    }
+
+    /// What an operand keeps, for an input of a box.
+    pub fn side(&mut self, operand: &Operand) -> Option<Signal> {
+        let kept = self.0.get_mut(&bit(operand)?)?;
+        kept.is_used = true;
+        Some(kept.signal.clone())
+    }
+}
+
+/// Whether a network writes such a bit.
+pub fn are_in(network: &ast::Network) -> bool {
+    network.statements.iter().any(|statement| match &statement.kind {
+        StatementKind::Instruction { insn: StlInsn::Assign, operand: Some(operand), .. } => bit(operand).is_some(),
+        StatementKind::Instruction { .. }
+        | StatementKind::Call(_)
+        | StatementKind::Empty
+        | StatementKind::Pragma(_)
+        | StatementKind::Error => false,
+    })
+}
+
+impl Reader<'_> {
+    /// Reads a statement whose operand is such a bit; `None`: it is another one, or the bits are coils and contacts.
+    pub fn branch(&mut self, insn: StlInsn, operand: Option<&Operand>) -> Option<Result<(), Reason>> {
+        let place = bit(operand?)?;
+        self.branches.is_some().then(|| self.branch_bit(insn, place))
+    }
+
+    fn branch_bit(&mut self, insn: StlInsn, place: (u32, u8)) -> Result<(), Reason> {
+        match insn {
+            StlInsn::Assign => {
+                let signal = self.flow()?;
+                let elements = self.drawing.graph.elements.len();
+                let kept = Kept { signal, elements, is_used: false };
+                match self.branches.get_or_insert_default().0.insert(place, kept) {
+                    Some(before) if !before.is_used => Err("a branch that does not go on".to_string()),
+                    Some(_) | None => Ok(()),
+                }
+            }
+            StlInsn::And if self.fresh && self.nesting.is_empty() => {
+                let kept = self.branches.as_mut().and_then(|branches| branches.0.get_mut(&place));
+                let kept = kept.ok_or("a branch that begins in another network")?;
+                // The CPU executes that rung before the rest of the branch.
+                if self.drawing.has_rung_since(kept.elements) {
+                    return Err("a branch that goes on after another rung".to_string());
+                }
+                kept.is_used = true;
+                let signal = kept.signal.clone();
+                self.join(Join::And, signal);
+                Ok(())
+            }
+            _ => Err("a bit of local data that is not a branch".to_string()),
+        }
+    }
+}
+
+fn bit(operand: &Operand) -> Option<(u32, u8)> {
+    match operand.kind {
+        OperandKind::Absolute { area: Area::L, width: Width::Bit, byte, bit } => Some((byte, bit)),
+        _ => None,
+    }
+}
