@@ -190,7 +190,7 @@ impl<'a> Look<'_, 'a> {
 
     /// The data block of `DB10.DW[i]` or `"Data".DX[i, 7]` in S7-SCL, and the bytes that the address reaches. `base`: what is before
     /// the indices.
-    fn indexed<'n>(&self, ctx: &SclBlock, base: &'n Node, indices: &[Option<i64>]) -> Option<(u32, &'n Node)> {
+    fn indexed<'n>(&mut self, ctx: &SclBlock, base: &'n Node, indices: &[Option<i64>]) -> Option<(u32, &'n Node)> {
         let NodeKind::Member { base: db, name } = &base.kind else { return None };
         let width = db_area_word(name.text.strip_prefix('%').unwrap_or(&name.text))?;
         let is_area = name.form == NameForm::Bare
