@@ -276,7 +276,8 @@ impl<'a> Globals<'a> {
         unnumbered: &mut Vec<Unnumbered<'a>>,
     ) {
         let (_, name) = frame(block);
-        if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) {
+        let stands_in = self.input.stand_ins == Some(name.span().file);
+        if matches!(prefix, BlockPrefix::Sfc | BlockPrefix::Sfb) && !stands_in {
             self.report.push(
                 Diagnostic::new(Code::BlockFrame, name.span(), "system blocks belong to the CPU")
                     .label("a program cannot define this block")

@@ -192,9 +192,10 @@ impl Globals<'_> {
         }
     }
 
-    /// True if a block can only come from the library; it may be missing there.
+    /// True if a block can only come from the library; it may be missing there. Stubs stand in for some.
     pub fn in_library(&self, key: BlockKey) -> bool {
-        matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb) || self.library_block(key).is_some()
+        let is_own = matches!(self.sources.code.get(&key), Some(CodeSource::User(_) | CodeSource::Expanded(_)));
+        !is_own && matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb) || self.library_block(key).is_some()
     }
 
     /// A block called by prefix and number. Instructions of the TIA Portal have no number.

@@ -11,6 +11,7 @@ use plcc_abi::image::BlockKind;
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
 use plcc_model::BlockKey;
+use plcc_stdlib::{Form, SystemBlock};
 use plcc_syntax::symbols::SymbolTarget;
 
 impl Look<'_, '_> {
@@ -105,7 +106,11 @@ impl Look<'_, '_> {
         match crate::bind::globals::names::code_kind(prefix) {
             Some(kind) => {
                 let key = BlockKey { kind, number };
-                self.program.globals.sources.code.contains_key(&key) || self.program.globals.in_library(key)
+                let globals = &self.program.globals;
+                let library = globals.library_block(key);
+                // A stub stands in for a block that plcc does not have, but not for an instruction.
+                let is_there = |block: &SystemBlock| block.is_tia() || block.form != Form::NotShipped;
+                globals.sources.code.contains_key(&key) || library.is_some_and(is_there)
             }
             None => false,
         }
