@@ -458,6 +458,11 @@ impl Look<'_, '_> {
                     (_, "PV" | "BI" | "CV") => Some(typed(Elementary::Word)),
                     (_, "S" | "R" | "Q" | "CU" | "CD" | "G") => Some(typed(Elementary::Bool)),
                     (_, "K" | "N" | "COUNT" | "COUNT_IN" | "COUNT_OUT" | "DIM") => Some(INT),
+                    // The count is no type of what is shifted.
+                    ("SHL" | "SHR" | "ROL" | "ROR", _) => match hint {
+                        Some(Hint::Type(_) | Hint::Width(_)) => hint.cloned(),
+                        _ => Some(Hint::Width(Elementary::Word)),
+                    },
                     ("NORM_X", _) => common.clone(),
                     ("SCALE_X", "VALUE") => Some(typed(Elementary::Real)),
                     ("ROUND" | "TRUNC" | "CEIL" | "FLOOR" | "SQRT" | "EXP" | "LN" | "SIN" | "COS" | "TAN", _) => {
