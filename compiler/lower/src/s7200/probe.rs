@@ -40,14 +40,8 @@ impl S7200Lowering<'_, '_> {
         if !self.b.is_reachable() || self.output.probes.asked != Asked::Values {
             return;
         }
-        let named = |(at, operand): (usize, &Operand)| {
-            let name = name(operand)?;
-            Some(match insn.and_then(|insn| number_type(insn, at)).filter(|_| is_number(operand)) {
-                Some(ty) => format!("{name} as {ty}"),
-                None => name,
-            })
-        };
-        let (block, names) = (self.block.key(), operands.iter().enumerate().filter_map(named));
+        let named = |(at, operand): (usize, &Operand)| names(insn, at, operand);
+        let (block, names) = (self.block.key(), operands.iter().enumerate().flat_map(named));
         let (span, network) = (statement.span, statement.network);
         let place = || Place { block, span, network, probe: Probe::Stack(names.collect()) };
         let Some(place) = self.output.probes.add(place) else { return };
@@ -143,9 +137,28 @@ fn number_type(insn: Insn, at: usize) -> Option<&'static str> {
     }
 }
 
-/// Whether an operand is a word or double word in memory.
-fn is_number(operand: &Operand) -> bool {
-    matches!(operand, Operand::Memory { width: Width::Word | Width::Dword, .. })
+/// The names of what is shown of an operand of an instruction; `None`: of a call.
+fn names(insn: Option<Insn>, at: usize, operand: &Operand) -> Vec<String> {
+    let Some(name) = name(operand) else { return Vec::new() };
+    let class = insn.and_then(|insn| insn.operands().get(at));
+    match operand {
+        // The box of a timer or a counter has its bit and its value.
+        Operand::Timer { .. } | Operand::Counter { .. }
+            if matches!(class, Some(OperandClass::Timer | OperandClass::Counter)) =>
+        {
+            vec![name.clone(), format!("{name}.VALUE")]
+        }
+        Operand::Timer { width: Width::Word, .. } | Operand::Counter { width: Width::Word, .. } => {
+            vec![format!("{name}.VALUE")]
+        }
+        Operand::Memory { width: Width::Word | Width::Dword, .. } => {
+            match insn.and_then(|insn| number_type(insn, at)) {
+                Some(ty) => vec![format!("{name} as {ty}")],
+                None => vec![name],
+            }
+        }
+        _ => vec![name],
+    }
 }
 
 /// The address of an operand whose value can be read at any time.
