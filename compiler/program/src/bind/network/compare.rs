@@ -61,6 +61,7 @@ impl NetworkBinder<'_, '_> {
         let flow = self.flow(ctx, sheet, at, "pre")?;
         let values = self.typed_inputs(ctx, sheet, at, &["min", "in", "max"])?;
         let [min, value, max] = <[Value; 3]>::try_from(values).ok()?;
+        self.scl().check_limits(&min, &max, ["MIN", "MAX"]);
         let ty = self.common_type(ctx, &[&min, &value, &max], span)?;
         let value = self.scl().convert(ctx, value, ty)?;
         let value = sheet.keep(ctx, value);

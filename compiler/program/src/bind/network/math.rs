@@ -398,6 +398,8 @@ impl NetworkBinder<'_, '_> {
             let source = source.or_else(|| binder.type_of_constants(ctx, element));
             let typing = typing(element);
             let mut arguments = Vec::new();
+            // Those of LIMIT; SCL looks at the limits that it gets as they are written.
+            let (mut low, mut high) = (None, None);
             for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open && pin.name != "en")
             {
                 let ty = match pin.name.as_str() {
@@ -408,11 +410,19 @@ impl NetworkBinder<'_, '_> {
                     Some(ty) => {
                         let value = binder.pin_value(ctx, sheet, pin)?;
                         let value = binder.scl().convert(ctx, value, ty)?;
+                        match (name, pin.name.as_str()) {
+                            ("LIMIT", "mn") => low = Some(Value::Elementary(value.clone())),
+                            ("LIMIT", "mx") => high = Some(Value::Elementary(value.clone())),
+                            _ => {}
+                        }
                         binder.value_node(ctx, sheet, value)
                     }
                     None => binder.pin_node(ctx, sheet, pin)?,
                 };
                 arguments.push(argument(&pin.name, node, false));
+            }
+            if let (Some(low), Some(high)) = (&low, &high) {
+                binder.scl().check_limits(low, high, ["MN", "MX"]);
             }
             let of_output = match typing.named_by_output {
                 true => target.or_else(|| binder.output_type(ctx, element, "out")),

@@ -113,8 +113,8 @@ impl SclBinder<'_, '_> {
         self.refuse(Code::AlwaysSame, value.span, &title, label, help);
     }
 
-    /// Warns of constant limits with no value between them.
-    pub(super) fn check_limits(&mut self, values: &[Value]) {
+    /// Warns of constant limits with no value between them. `pins`: their names.
+    pub(in crate::bind) fn check_limits(&mut self, low: &Value, high: &Value, pins: [&str; 2]) {
         let number = |value: &Value| match value {
             Value::Constant(Constant::Integer { value, .. }, _) => Some(Known::Whole(*value)),
             Value::Constant(Constant::Real(value), _) => Some(Known::Float(*value)),
@@ -123,7 +123,6 @@ impl SclBinder<'_, '_> {
                 Known::of(&Expr { kind: ExprKind::Const(bits), ty, span: other.span() })
             }
         };
-        let [low, _, high] = values else { return };
         // TIME counts milliseconds, LTIME nanoseconds; two of them do not go together.
         let is_long = |value: &Value| typed_constant(value).is_some_and(|(ty, _)| ty == Elementary::Ltime);
         let limits = number(low).zip(number(high)).filter(|_| is_long(low) == is_long(high));
@@ -135,7 +134,7 @@ impl SclBinder<'_, '_> {
                 span,
                 &format!("the lower limit `{low}` is above the upper limit `{high}`"),
                 "no value is between them",
-                "exchange the values of MN and MX",
+                &format!("exchange the values of {} and {}", pins[0], pins[1]),
             );
         }
     }

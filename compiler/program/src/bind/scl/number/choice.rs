@@ -71,7 +71,9 @@ impl SclBinder<'_, '_> {
         let nodes = [pins.get("MN")?, pins.get("IN")?, pins.get("MX")?];
         let values = nodes.map(|node| self.value(ctx, node));
         let values: Vec<Value> = values.into_iter().collect::<Option<_>>()?;
-        self.check_limits(&values);
+        if let [low, _, high] = &values[..] {
+            self.check_limits(low, high, ["MN", "MX"]);
+        }
         if let Some(kind) = ordered_kind(&values) {
             return self.instruction_value(ctx, &format!("LIMIT_{kind}"), values, span);
         }
