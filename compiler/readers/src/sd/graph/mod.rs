@@ -122,6 +122,17 @@ impl Builder<'_, '_> {
                         self.lead(&mut carried, span, items.peek());
                     }
                 }
+                Item::Operand(span) if let Some(gate) = gate_of(self.slice(span)) => {
+                    let operand = match items.peek() {
+                        Some(Item::Operand(operand)) => Some(*operand),
+                        _ => None,
+                    };
+                    if operand.is_some() {
+                        items.next();
+                    }
+                    self.report_operator(span, gate, operand);
+                    carried.flow = Flow::Lost;
+                }
                 Item::Operand(span) if is_operand(items.peek()) && elements::find_sd(self.slice(span)).is_some() => {
                     let element = self.slice(span).to_owned();
                     let Some(Item::Operand(operand)) = items.next() else { continue };
@@ -238,6 +249,24 @@ impl Builder<'_, '_> {
             Diagnostic::new(Code::Syntax, span, "a rung of LAD begins with a wire")
                 .label("a wire is expected here")
                 .help("write `RUNG wire#powerrail`, or the wire where this branch begins"),
+        );
+    }
+
+    /// `#a AND #b`, `Contact( #a ) OR Contact( #b )`; `gate`: the element of FBD.
+    fn report_operator(&mut self, span: Span, gate: &str, operand: Option<Span>) {
+        let word = self.slice(span).to_owned();
+        let help = match (self.language, gate) {
+            (Language::Lad, "A") => format!("remove `{word}`: elements in a row are in series"),
+            (Language::Lad, "O") => format!(
+                "write `wire#w1` for `{word}`, and the other branch as a rung: `RUNG wire#powerrail Contact( … ) END_RUNG wire#w1`"
+            ),
+            (Language::Lad, _) => "write two branches, each with a contact and a negated one".to_owned(),
+            _ => format!("write `{gate}( in2 := {} )`", operand.map_or("…", |operand| self.slice(operand))),
+        };
+        self.report(
+            Diagnostic::new(Code::ForeignForm, span, format!("a rung has no operator `{word}`"))
+                .label("a form of other languages")
+                .help(help),
         );
     }
 
@@ -394,6 +423,16 @@ impl Builder<'_, '_> {
 
     fn report(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
+    }
+}
+
+/// The element of FBD for an operator between operands, as other languages write it.
+fn gate_of(word: &str) -> Option<&'static str> {
+    match word.to_ascii_uppercase().as_str() {
+        "AND" => Some("A"),
+        "OR" => Some("O"),
+        "XOR" => Some("X"),
+        _ => None,
     }
 }
 

@@ -155,6 +155,13 @@ impl Builder<'_, '_> {
             Given::Unnamed | Given::Case(..) | Given::Error => None,
         });
         pins.named = named.collect();
+        if let Some(row) = pins.row.filter(|row| matches!(row.kind, Kind::LogicGate(_)))
+            && count > 0
+            && count == arguments.len()
+            && arguments.iter().all(|argument| argument.value.is_some())
+        {
+            return self.report_unnamed_of_gate(row, &arguments);
+        }
         let mut branch = 0;
         for argument in arguments {
             let Argument { pin, value, span } = argument;
@@ -338,6 +345,21 @@ impl Builder<'_, '_> {
         self.report(
             Diagnostic::new(Code::UnknownParameter, span, format!("`{}` has no further operand", row.name))
                 .label("belongs to no pin")
+                .help(help),
+        );
+    }
+
+    /// `A( #a, #b )`
+    fn report_unnamed_of_gate(&mut self, row: &Row, arguments: &[Argument]) {
+        // A single one is beside the operand that the rung brings.
+        let before = if arguments.len() == 1 { 2 } else { 1 };
+        let pins =
+            arguments.iter().zip(before..).map(|(argument, at)| format!("in{at} := {}", self.slice(argument.span)));
+        let help = format!("write `{}( {} )`", row.name, pins.collect::<Vec<_>>().join(", "));
+        let span = arguments[0].span.to(arguments[arguments.len() - 1].span);
+        self.report(
+            Diagnostic::new(Code::Syntax, span, format!("the inputs of `{}` have names", row.name))
+                .label("operands without them")
                 .help(help),
         );
     }
