@@ -416,7 +416,15 @@ impl SclBinder<'_, '_> {
             };
             format!("texts are joined with `CONCAT(IN1 := {}, IN2 := {})`", text(left), text(right))
         });
-        let help = of_texts.as_deref().unwrap_or(help);
+        // An element stands between no values.
+        let of_element = (is_element(&op) && help.contains(op.as_str())).then(|| {
+            let text = if of_text(&left_is) { Some(left) } else { Some(right).filter(|_| of_text(&right_is)) };
+            match text {
+                Some(value) => message::text_element(&self.program.globals.text(value.span())),
+                None => "convert one of them in an element of its own: `Convert`".to_owned(),
+            }
+        });
+        let help = of_texts.as_deref().or(of_element.as_deref()).unwrap_or(help);
         self.program.report(
             Diagnostic::new(
                 Code::TypeMismatch,
@@ -434,6 +442,12 @@ impl SclBinder<'_, '_> {
 
     /// Operators of one precedence in a row.
     const CHAIN_MAX: usize = 1000;
+}
+
+/// Whether the text of an operator is the name of an element of networks, such as `GE_Contact`.
+fn is_element(op: &str) -> bool {
+    let is_word = op.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    is_word && !["AND", "OR", "XOR", "MOD", "DIV", "NOT"].iter().any(|word| word.eq_ignore_ascii_case(op))
 }
 
 /// Types that have a sign.
