@@ -38,6 +38,12 @@ impl SclBinder<'_, '_> {
 
     pub(super) fn no_conversion(&mut self, scope: &Scope, span: Span, from: Elementary, to: Elementary) {
         let text = self.program.globals.text(span);
+        if let Some((pin, variable)) = connected_output(&text).filter(|_| scope.is_network()) {
+            let (from, to) = (from.name(), to.name());
+            let title = format!("the output `{pin}` is of type {from}, but `{variable}` is of type {to}");
+            let message = Diagnostic::new(Code::TypeMismatch, span, title).label(format!("not of type {from}"));
+            return self.program.report(message.help(format!("name a variable of type {from}")));
+        }
         let help = match (from, to) {
             _ if let Some(help) = rewrite::of_constant(to, &text, rewrite::Form::Scl) => Some(help),
             _ if scope.is_network() => in_element(scope.rules, from, to, &text),
@@ -65,14 +71,16 @@ impl SclBinder<'_, '_> {
             help = format!("if that is intended, write `{target} := {};`", converted.trim_matches('`'));
             text = value;
         }
+        let mut title = format!("`{text}` is of type {} and may not fit {}", from.name(), to.name());
+        if let Some((pin, variable)) = connected_output(&text).filter(|_| scope.is_network()) {
+            let (from, to) = (from.name(), to.name());
+            title = format!("the output `{pin}` is of type {from} and may not fit `{variable}`, which is of type {to}");
+            help = format!("name a variable of type {from}");
+        }
         self.program.report(
-            Diagnostic::new(
-                Code::Narrowing,
-                span,
-                format!("`{text}` is of type {} and may not fit {}", from.name(), to.name()),
-            )
-            .label(format!("converts to {} without a check", to.name()))
-            .help(help),
+            Diagnostic::new(Code::Narrowing, span, title)
+                .label(format!("converts to {} without a check", to.name()))
+                .help(help),
         );
     }
 
@@ -81,6 +89,13 @@ impl SclBinder<'_, '_> {
         let message = Diagnostic::new(code, span, title).label(label);
         self.program.report(if help.is_empty() { message } else { message.help(help) });
     }
+}
+
+/// Pin and variable of `on => #lamp`, as networks connect an output.
+fn connected_output(text: &str) -> Option<(&str, &str)> {
+    let (pin, variable) = text.split_once("=>")?;
+    let (pin, variable) = (pin.trim(), variable.trim());
+    (!pin.is_empty() && is_operand(variable) && !pin.contains(char::is_whitespace)).then_some((pin, variable))
 }
 
 /// What to name in place of `text`, a whole array, a structure or a block, where one value is expected, and the other way round.
