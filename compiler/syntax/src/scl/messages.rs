@@ -2,7 +2,7 @@
 
 use plcc_diag::{Code, Diagnostic};
 
-use super::ast::Dialect;
+use super::ast::{Dialect, Literal};
 use super::token::{Spanned, Tok};
 use super::types_meant;
 use crate::elementary::Elementary;
@@ -45,6 +45,9 @@ impl Place<Tok<'_>, Dialect> for Recovery {
             ),
             Recovery::Labels => (Code::DeclarationSyntax, "list of labels", "write `LABEL first, second; END_LABEL`"),
             Recovery::Assignment => (Code::Syntax, "assignment", "write `component := constant;`, e.g. `a.b[3] := 5;`"),
+            Recovery::Statement if begins_branch(state, index) => {
+                (Code::Syntax, "statement", "a number begins a branch of CASE, which stands after OF and before ELSE")
+            }
             Recovery::Statement => (Code::Syntax, "statement", statement_help(at, before)),
             Recovery::Condition => (Code::Syntax, "expression", expression_help(at, before)),
             Recovery::For => (Code::Syntax, "head of the loop", "write `FOR i := first TO last BY step DO`"),
@@ -573,6 +576,16 @@ fn declaration_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static 
         Some(Tok::Array | Tok::DotDot) => "an array is written `ARRAY[1..10] OF INT`",
         _ => "write `name : type := value;`, e.g. `speed : INT := 5;`",
     }
+}
+
+/// `3:`, `2..5:` where no value of CASE is possible.
+fn begins_branch(state: &State, index: usize) -> bool {
+    let Some([(_, before, _), (_, Tok::Literal(Literal::Integer { .. }), _), (_, Tok::Colon | Tok::DotDot, _)]) =
+        index.checked_sub(2).and_then(|first| state.tokens.get(first..=index))
+    else {
+        return false;
+    };
+    matches!(before, Tok::End | Tok::Then | Tok::Else | Tok::Do | Tok::Begin)
 }
 
 fn statement_help(at: Option<&Spanned>, before: Option<&Spanned>) -> &'static str {
