@@ -46,7 +46,12 @@ async function look(tab) {
     return value.textContent === "-2147483648" && value.getBBox().width < value.room + 1;
   })()`);
 
-  // A data block has none.
+  // Without the status, too, a value has its type.
+  await tab(`document.querySelector("#status-on").click()`);
+  await until(tab, "a component of a data block", `${sum}105")`);
+  await tab(`document.querySelector("#status-on").click()`);
+
+  // A data block has no status.
   await open(tab, "DB1");
   await until(tab, "no status of a data block", `document.querySelector("#status-bar").hidden`);
 

@@ -171,13 +171,17 @@ const isUsed = (k) => cross.has(k) || data.uses[k] !== undefined;
 const ranges = [...cross.keys(), ...Object.keys(data.uses)].map((k) => [k, range(k)]).filter((r) => r[1]);
 // Addresses by names of components of data blocks: those that something uses, and those that stand on the pages of the blocks.
 const memberOf = new Map();
+// Names by which a value has its type, by address.
+const typedName = new Map(data.symbols.map(([address, name]) => [address, `"${name}"`]));
 for (const p of data.pages) if (/^DB \d+$/.test(p.id)) {
   const path = [];
-  for (const [, name, , , , address, depth] of p.rows) {
+  p.rows.forEach(([, name, type, , , address, depth], i) => {
     path.length = depth;
     path.push(name);
     for (const db of [p.name, p.id]) if (db && address) memberOf.set(fold(`${db}.${path.join(".")}`), address);
-  }
+    const hasParts = p.rows[i + 1]?.[6] > depth || /^ARRAY/.test(type);
+    if (address && !hasParts) typedName.set(address, [p.name ? `"${p.name}"` : p.id.replace(" ", ""), ...path.map((part) => `"${part}"`)].join("."));
+  });
 }
 for (const o of xref?.operands ?? []) if (o.symbol) memberOf.set(fold(o.symbol), o.address);
 function keyOf(text) {
@@ -318,6 +322,10 @@ const number = (t, real) => {
     if (real) return digits === 8 ? new Float32Array(new Uint32Array([n]).buffer)[0] : null;
     return Number.isNaN(n) ? null : digits === 4 ? (n << 16) >> 16 : digits === 8 ? n | 0 : n;
   }
+  if (/^(L?T|S5T)#/.test(t)) {
+    const parts = [...t.matchAll(/(\d+(?:\.\d+)?)(ms|us|ns|[dhms])/gi)].map(([, count, unit]) => count * { d: 864e5, h: 36e5, m: 6e4, s: 1e3, ms: 1, us: 1e-3, ns: 1e-6 }[unit.toLowerCase()]);
+    return parts.length ? parts.reduce((sum, part) => sum + part, 0) * (t.includes("#-") ? -1 : 1) : null;
+  }
   const n = Number(t.replace(/^[A-Z]+#/, ""));
   return t === "" || Number.isNaN(n) ? null : n;
 };
@@ -403,7 +411,9 @@ if (data.trace) {
 // A page around this one may tell values as they change: it asks which operands are in sight, and says what they are, as texts.
 const inSight = () => [...main.querySelectorAll(".draw")].filter((d) => d.done && d.getBoundingClientRect().bottom > 0 && d.getBoundingClientRect().top < innerHeight);
 const sectionOf = (d) => data.pages[d.dataset.page].secs[d.dataset.sec];
+let asked = new Map();
 window.live = {
+  // Names of what is in sight.
   keys() {
     const found = new Set(), input = (i) => typeof i[0] === "string" && found.add(i[0]);
     for (const d of inSight()) {
@@ -414,10 +424,12 @@ window.live = {
       for (const t of logic?.nets.flat() ?? []) if (t[0] === "?") t.slice(3, 5).forEach((k) => found.add(k)); else t.slice(1).forEach((i) => Array.isArray(i) && input(i));
       for (const [, k] of logic?.coils ?? []) found.add(k);
     }
-    return [...found].filter((k) => k && !/^(TRUE|FALSE|[-+]?\d.*|\w+#[-+\d].*)$/i.test(k));
+    const keys = [...found].filter((k) => k && !/^(TRUE|FALSE|[-+]?\d.*|\w+#[-+\d].*)$/i.test(k));
+    asked = new Map(keys.map((k) => [typedName.get(k) ?? k, k]));
+    return [...asked.keys()];
   },
   set(values) {
-    shown = new Map(values);
+    shown = new Map(values.map(([name, text]) => [asked.get(name) ?? name, text]));
     for (const d of inSight()) if (isWatched(d)) lightSteps(d); else paint(d, sectionOf(d));
   },
   // The block in sight, if it has code: `FB1`.
