@@ -16,6 +16,13 @@ pub fn scale(address: &Address, unit: &str, image: &ProgramImage) -> Result<Scal
     if let Some(digits) = unit.strip_prefix(['x', 'X']).filter(|digits| u64::from_str_radix(digits, 16).is_ok()) {
         return Err(format!("a hexadecimal number begins with `16#`: write 16#{digits}"));
     }
+    let has_channels = matches!(
+        address.place,
+        Place::Input(_) | Place::Output(_) | Place::PeripheralInput(_) | Place::PeripheralOutput(_)
+    );
+    if !has_channels {
+        return Err(format!("`{unit}` would be a unit, which only an analog channel has"));
+    }
     let none = "a unit needs an analog channel: a station with this address in plc.toml, and a word address";
     if address.width != Width::Word {
         return Err(none.to_string());

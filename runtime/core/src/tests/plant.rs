@@ -71,6 +71,9 @@ fn engineering_values_need_a_channel() {
         message("set = { \"PIW300\" = \"12 mA\" }").starts_with("s.toml:3: PIW300: a unit needs an analog channel")
     );
     assert!(message("set = { \"AI0\" = \"12 V\" }").contains("write a number in mA or in %"));
+    assert!(
+        message("set = { \"MW0\" = \"2;3\" }").contains("MW0: `;3` would be a unit, which only an analog channel has")
+    );
     let missing = message("set = { \"AI2\" = 1 }");
     assert!(missing.contains("`AI2` is neither an address"), "{missing}");
     assert!(missing.contains("; the station has the analog inputs AI0 to AI1"), "{missing}");
