@@ -1,7 +1,7 @@
 //! `plcc test`.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use plcc_coverage::data::Sums;
 use plcc_runtime::AssertFailure;
@@ -30,6 +30,12 @@ pub fn test(args: &TestArgs) -> u8 {
     }
 }
 
+/// Whether a name is that of a file for coverage, which would become the name of a folder.
+fn is_for_a_file(output: &Path) -> bool {
+    let ends_in = |ending: &str| output.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
+    !output.is_dir() && ["info", "html", "xml", "json"].into_iter().any(ends_in)
+}
+
 /// Runs all tests and prints what failed, then `N passed, M failed`; or all of it as JSON.
 fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
     let forms: &[Form] = match args.form {
@@ -40,6 +46,13 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
     };
     if args.coverage.is_some() && args.form == FormArg::Exe {
         report::say("executables do not count what they run; use --coverage with `--form jit`, `interp` or `all`");
+        return exit::USAGE;
+    }
+    if let Some(output) = args.coverage.as_deref().filter(|output| is_for_a_file(output)) {
+        let output = output.display();
+        report::say(&format!(
+            "--coverage {output}: this is a file; name a folder, which gets `lcov.info` and `index.html`"
+        ));
         return exit::USAGE;
     }
     let optimization = args.optimization.optimization();

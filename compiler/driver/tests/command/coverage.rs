@@ -86,6 +86,18 @@ fn pages_show_the_networks() {
     assert!(no > 4, "{no}");
 }
 
+/// The name of a file would become that of a folder.
+#[test]
+fn coverage_goes_into_a_folder() {
+    for name in ["nowhere.info", "nowhere.html"] {
+        let output = plcc(&["test", "statements.stl", "--coverage", name]);
+        assert_eq!(output.status.code(), Some(2));
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(said.contains(&format!("--coverage {name}: this is a file; name a folder")), "{said}");
+        assert!(!folder().join(name).exists());
+    }
+}
+
 #[test]
 fn executables_do_not_count() {
     let output = plcc(&["test", "statements.stl", "--coverage", "nowhere", "--form", "exe"]);
