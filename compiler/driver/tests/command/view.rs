@@ -132,6 +132,28 @@ fn a_local_bit_of_boxes_is_a_line() {
     }
 }
 
+/// In the column of the last coil, the wire to MOVE would cross the others.
+#[test]
+fn a_last_box_of_fbd_is_where_its_wire_branches() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION Branch : Void\n  VAR_INPUT\n    a, b, c : Bool;\n    x : Int;\n  END_VAR\n  VAR_OUTPUT\n    q, last : Bool;\n    \
+                  n : Int;\n  END_VAR\n  { S7_Language := \"FBD\" }\n  NETWORK\n    RUNG #a A( in2 := #b ) wire#w1 Coil( #q ) END_RUNG\n    \
+                  RUNG wire#w1 Move( in := #x, out1 => #n ) END_RUNG\n    RUNG wire#w1 O( in2 := #c ) Coil( #last ) END_RUNG\n  \
+                  END_NETWORK\nEND_FUNCTION\n";
+    fs::write(folder.join("branch.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "branch.s7dcl", "--cpu", "s7-1500", "-o", "drawings"]);
+    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
+    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let place = |text: &str| {
+        let line = picture.lines().find(|line| line.contains(&format!(">{text}</text>")));
+        let line = line.unwrap_or_else(|| panic!("{text} in {picture}"));
+        let x = line.split(" x=\"").nth(1).and_then(|rest| rest.split('"').next());
+        x.and_then(|x| x.parse::<i32>().ok()).expect("a text has a place")
+    };
+    assert!(place("MOVE") < place("#last"), "{picture}");
+}
+
 /// Pointers, for which networks have no constants, are drawn as they are written.
 #[test]
 fn a_call_with_pointers_after_a_contact_is_a_box() {

@@ -128,8 +128,8 @@ fn readers(sheet: &Sheet, drawn: &[usize]) -> Vec<Vec<usize>> {
     readers
 }
 
-/// The column of each part: as far to the right as what it feeds allows. A coil at a wire that leads on stands right after what feeds it:
-/// in the last column, that wire would pass all the others on its way.
+/// The column of each part: as far to the right as what it feeds allows. A coil or a last box at a wire that leads on stands right after
+/// what feeds it: in the last column, that wire would pass all the others on its way.
 fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
     // Distance from the right, over the parts that read its outputs. Loops are cut where they close.
     let mut readers = readers(sheet, drawn);
@@ -184,15 +184,25 @@ fn columns(sheet: &Sheet, drawn: &[usize]) -> Vec<usize> {
     let mut columns: Vec<usize> = depth.iter().map(|depth| deepest - depth.unwrap_or(0)).collect();
     for &at in drawn {
         let part = &sheet.parts[at];
-        let Some(net) = part.net(part.flow_in).filter(|_| part.meaning == Meaning::Through) else { continue };
-        let ends = part.net(part.flow_out).is_none();
+        let may_end = matches!(part.meaning, Meaning::Through | Meaning::Other);
+        let Some(net) = part.net(part.flow_in).filter(|_| may_end) else { continue };
+        let nets = |output: bool| {
+            part.pins.iter().filter(move |pin| pin.output == output).filter_map(|pin| match pin.link {
+                Link::Net(net) => Some(net),
+                Link::Operand(_) | Link::Open => None,
+            })
+        };
+        let ends = nets(true).next().is_none();
         let leads_on = readers[net].iter().any(|other| columns[*other] < columns[at]);
-        let feeders = sheet.nets[net].sources.iter().map(|source| match source {
-            Source::Pin { part, .. } => Some(columns[*part]),
+        // All that its pins need is before it. What feeds the flow must be a part.
+        let feeders = nets(false).flat_map(|own| sheet.nets[own].sources.iter().map(move |source| (own, source)));
+        let feeders = feeders.map(|(own, source)| match source {
+            Source::Pin { part, .. } => Some(columns[*part] + 1),
+            Source::Rail | Source::Operand { .. } if own != net => Some(0),
             Source::Rail | Source::Operand { .. } | Source::Net(_) => None,
         });
         let feeders: Option<Vec<usize>> = feeders.collect();
-        let after = feeders.and_then(|columns| columns.into_iter().max()).map(|column| column + 1);
+        let after = feeders.and_then(|columns| columns.into_iter().max());
         if let Some(after) = after.filter(|after| ends && leads_on && *after < columns[at]) {
             columns[at] = after;
         }
