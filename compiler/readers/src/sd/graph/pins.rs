@@ -155,7 +155,7 @@ impl Builder<'_, '_> {
             Given::Unnamed | Given::Case(..) | Given::Error => None,
         });
         pins.named = named.collect();
-        if let Some(row) = pins.row.filter(|row| matches!(row.kind, Kind::LogicGate(_)))
+        if let Some(row) = pins.row.filter(|row| matches!(row.kind, Kind::Gate(_)))
             && count > 0
             && count == arguments.len()
             && arguments.iter().all(|argument| argument.value.is_some())
