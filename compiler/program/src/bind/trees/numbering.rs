@@ -7,7 +7,7 @@ use plcc_syntax::scl::ast::Dialect;
 use plcc_syntax::symbols::{SymbolTarget, parse_address};
 use rustc_hash::FxHashMap;
 
-use crate::bind::trees::blocks::{block_class, dialect, header_of, is_forward};
+use crate::bind::trees::blocks::{block_class, class_of_inputs, dialect, header_of, is_forward};
 
 pub const fn source_prefix(kind: CodeKind) -> BlockPrefix {
     match kind {
@@ -52,7 +52,9 @@ pub fn numbered(block: &ast::Block, prefix: BlockPrefix, name: &BlockName) -> (B
         .find(|(name, _)| NUMBER_ATTRIBUTES.iter().any(|number| number.eq_ignore_ascii_case(name)))
         .and_then(|(_, value)| value.trim().trim_matches(['\'', '"']).parse().ok());
     let usual = || match prefix {
-        BlockPrefix::Ob => ob_number(text).or_else(|| number_of_start_information(block)),
+        BlockPrefix::Ob => {
+            ob_number(text).or_else(|| number_of_start_information(block)).or_else(|| number_in_name(block, text))
+        }
         _ => None,
     };
     let said = written.or(header.number).or(attribute);
@@ -92,7 +94,7 @@ pub fn has_free_obs(units: &[(FileId, ast::SourceUnit)]) -> bool {
     false
 }
 
-/// The block that a file's name states: `FC19_Name`, `OB1_MAIN`, `FB 3`.
+/// The block that the name of a file, or of a block, states: `FC19_Name`, `OB1_MAIN`, `FB 3`.
 pub fn block_of_file(stem: &str) -> Option<(BlockPrefix, u32)> {
     let stem = stem.trim();
     let letters = stem.get(..2)?;
@@ -139,6 +141,16 @@ fn ob_number(name: &str) -> Option<u32> {
     let index: u32 = name[base.len()..].parse().ok()?;
     let (_, first, count) = row(base.trim_end_matches(['_', ' ']))?;
     (index < *count).then_some(first + index)
+}
+
+/// The number with which the name of an organization block of the TIA Portal begins, `OB35_PID`. It says what starts the block, so the block must
+/// not state something else.
+fn number_in_name(block: &ast::Block, name: &str) -> Option<u32> {
+    let ast::Block::Code(code) = block else { return None };
+    let (prefix, number) = block_of_file(name)?;
+    let class = ObClass::of_number(u16::try_from(number).ok()?)?;
+    let stated = block_class(block).or_else(|| class_of_inputs(block)).unwrap_or(class);
+    (prefix == BlockPrefix::Ob && dialect(code) == Some(Dialect::Tia) && stated == class).then_some(number)
 }
 
 /// The number of an organization block by the names of its start information: `OB35_EV_CLASS`.
