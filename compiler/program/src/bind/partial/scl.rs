@@ -4,7 +4,8 @@ use plcc_diag::Span;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{BlockName, BlockPrefix, CellKind, OperandKind};
 use plcc_syntax::scl::ast::{
-    Argument, AssignOp, BinaryOp, Expr as Node, ExprKind as NodeKind, Name, NameForm, Statement, StatementKind, UnaryOp,
+    Argument, AssignOp, BinaryOp, CaseValue, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm, Statement,
+    StatementKind, UnaryOp,
 };
 
 use super::evidence::{Hint, is_named, is_unnamed};
@@ -57,7 +58,10 @@ impl Look<'_, '_> {
             }
             StatementKind::Case { selector, arms, otherwise } => {
                 let hint = self.hint_of(ctx, selector);
-                self.expect(ctx, selector, Some(&INT));
+                let is_text = |value: &CaseValue| matches!(value.low.kind, NodeKind::Literal(Literal::Text { .. }));
+                let of_characters = arms.iter().flat_map(|arm| &arm.values).any(is_text);
+                let wanted = if of_characters { typed(Elementary::Char) } else { INT };
+                self.expect(ctx, selector, Some(&wanted));
                 for arm in arms {
                     for value in &arm.values {
                         self.constant_of_arm(ctx, &value.low, hint.as_ref());
@@ -432,7 +436,18 @@ impl Look<'_, '_> {
             .iter()
             .map(|argument| argument.value.as_ref().and_then(|value| self.hint_of(ctx, value)))
             .collect();
-        let common = surest(hints.iter().cloned()).or_else(|| hint.cloned());
+        // What selects a value says nothing about its type.
+        let selects = |(at, (argument, _)): &(usize, (&Argument, &Option<Hint>))| {
+            let Named::Row { row, .. } = named else { return false };
+            let own = match row.name {
+                "SEL" => "G",
+                "MUX" => "K",
+                _ => return false,
+            };
+            argument.name.as_ref().map_or(*at == 0, |name| name.text.eq_ignore_ascii_case(own))
+        };
+        let values = arguments.iter().zip(&hints).enumerate().filter(|value| !selects(value));
+        let common = surest(values.map(|(_, (_, hint))| hint.clone())).or_else(|| hint.cloned());
         for (argument, known) in arguments.iter().zip(hints) {
             let Some(value) = argument.value.as_ref().filter(|_| known.is_none()) else { continue };
             let name = argument.name.as_ref().map_or(String::new(), |name| name.text.to_ascii_uppercase());
