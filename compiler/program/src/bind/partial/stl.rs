@@ -5,6 +5,7 @@ use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
     self, Area, BlockName, BlockPrefix, Bound, CellKind, Operand, OperandKind, PathPart, PathRoot, Statement,
 };
+use plcc_syntax::literal::Literal;
 use plcc_syntax::stl::{OperandClass, StlInsn};
 
 use super::evidence::Hint;
@@ -79,6 +80,9 @@ impl Look<'_, '_> {
                     self.with_shape(ctx, &start, &[], span, &mut |shape| {
                         shape.call.get_or_insert_default();
                     });
+                } else {
+                    // `UC FC ["Number"]`
+                    self.operand(ctx, operand, None);
                 }
             }
             Class::Timer => self.operand(ctx, operand, Some(&Hint::Cell(CellKind::Timer))),
@@ -146,6 +150,8 @@ impl Look<'_, '_> {
                     match self.operand_hint(ctx, operand) {
                         // `L` loads the time or count of a timer or counter.
                         Some(Hint::Cell(_)) => return Some(Hint::Width(Elementary::Word)),
+                        // `L 'AB'` loads characters.
+                        Some(Hint::Literal(DataType::String(_))) => return characters(operand),
                         Some(hint) => return Some(hint),
                         None => {}
                     }
@@ -353,6 +359,16 @@ impl Look<'_, '_> {
             shape.of = shape.of.take().or(of.clone());
         });
     }
+}
+
+/// The type of the characters that `L` loads.
+fn characters(operand: &Operand) -> Option<Hint> {
+    let OperandKind::Literal(Literal::Text(text)) = &operand.kind else { return None };
+    Some(Hint::Literal(DataType::Elementary(match text.len() {
+        0 | 1 => Elementary::Char,
+        2 => Elementary::Word,
+        _ => Elementary::Dword,
+    })))
 }
 
 fn start_of_block(name: &BlockName) -> Start {
