@@ -9,7 +9,7 @@ use plcc_syntax::s7200::ast::{
     Area, AssertSide, Block, BlockKind, Constant, Declaration, Direct, Operand, OperandKind, Section, StatementKind,
     SymbolForm,
 };
-use plcc_syntax::s7200::{Insn, OperandClass};
+use plcc_syntax::s7200::{Insn, OperandClass, libraries};
 use plcc_syntax::symbols::S7200Symbol;
 
 use crate::Checked;
@@ -371,10 +371,17 @@ impl<'c> Names<'c> {
         let name = bare(words.word(first + 1));
         let number = || -> Option<u32> { name.to_ascii_uppercase().strip_prefix("SBR")?.parse().ok() };
         let numbered = || self.block_numbered(BlockKind::Subroutine, number()?);
-        let block = self.block_named(name).or_else(numbered)?.block;
-        let parameters = block.declarations.iter().filter(|one| !matches!(one.section, Section::Temp));
-        let texts: Vec<String> =
-            parameters.map(|one| format!("{} : {} {}", one.name, one.ty, section(one.section))).collect();
+        let texts: Vec<String> = match self.block_named(name).or_else(numbered) {
+            Some(Owner { block, .. }) => {
+                let parameters = block.declarations.iter().filter(|one| !matches!(one.section, Section::Temp));
+                parameters.map(|one| format!("{} : {} {}", one.name, one.ty, section(one.section))).collect()
+            }
+            None => {
+                let known = libraries::subroutine(name)?;
+                let word = |output| section(if output { Section::Output } else { Section::Input });
+                known.parameters().map(|(name, output)| format!("{name} {}", word(output))).collect()
+            }
+        };
         let commas = (first..words.before(byte)).filter(|&at| words.word(at) == ",").count();
         Some(complete::help(format!("{name}, {}", texts.join(", ")), &texts, Some(commas.checked_sub(1)?)))
     }

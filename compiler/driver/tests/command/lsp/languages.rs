@@ -193,6 +193,18 @@ fn names_of_an_s7_200_are_known() {
 }
 
 #[test]
+fn subroutines_of_libraries_of_micro_win_show_their_parameters() {
+    let mut editor = Editor::new("modbus");
+    editor.open("main.awl");
+    editor.messages("main.awl");
+    for (piece, active) in [("CALL   MBUS_SLAVE, |M1.1", 0), ("CALL   MBUS_SLAVE, M1.1, |MB6", 1)] {
+        let found = editor.at("textDocument/signatureHelp", "main.awl", piece);
+        assert_eq!(found["signatures"][0]["label"], json!("MBUS_SLAVE, Done OUT, Error OUT"), "{found}");
+        assert_eq!(found["activeParameter"], json!(active), "{piece}");
+    }
+}
+
+#[test]
 fn elements_pins_and_wires_of_networks_are_explained() {
     let mut editor = Editor::new("alike");
     editor.open("lamp.s7dcl");
