@@ -50,6 +50,20 @@ fn the_address_of_a_symbol_is_below_it() {
     }
 }
 
+/// Micro/WIN exports each block with an empty network at least.
+#[test]
+fn an_empty_network_needs_no_reason() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let main = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1 // Network Title\n// Network Comment\nLD SM0.0\n= Q0.0\n\
+                Network 2\n// empty\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("main.awl"), main).expect("the folder can be written");
+    let output = plcc(folder, &["view", "main.awl", "--html", "page.html"]);
+    let page = fs::read_to_string(folder.join("page.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    assert!(!page.contains("Not shown as LAD"), "{page}");
+}
+
 #[test]
 fn steps_labels_and_returns_have_the_names_of_micro_win() {
     let main = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK\nLSCR S0.1\nNETWORK\nLD I0.0\nSCRT S0.2\nNETWORK\nSCRE\nNETWORK\n\

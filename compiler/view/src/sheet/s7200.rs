@@ -21,7 +21,7 @@ pub struct Subroutine {
 /// Finds a subroutine by its name or number, such as `Scale` or `SBR0`, and the number of its arguments.
 pub type Subroutines<'a> = dyn Fn(&str, usize) -> Option<Subroutine> + 'a;
 
-/// The rungs of a network. `label` finds the operand at a place of the source. `Err`: why it cannot be drawn.
+/// The rungs of a network. `label` finds the operand at a place of the source. `Err`: why it cannot be drawn; empty if it has no statements.
 pub fn sheet(
     statements: &[Statement],
     label: &dyn Fn(&Operand) -> Label,
@@ -45,7 +45,9 @@ pub fn sheet(
         }
     }
     if maker.rungs.part_count() == 0 {
-        return Err("there is nothing to draw".to_string());
+        // A network without statements needs no reason.
+        let is_empty = statements.iter().all(|statement| matches!(statement.kind, StatementKind::Pragma { .. }));
+        return Err(if is_empty { String::new() } else { "there is nothing to draw".to_string() });
     }
     match maker.stack.iter().find(|span| !maker.rungs.is_used(span.end)) {
         Some(_) => Err("a result of logic is not used".to_string()),
