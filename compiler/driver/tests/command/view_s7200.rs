@@ -65,6 +65,24 @@ fn an_empty_network_needs_no_reason() {
 }
 
 #[test]
+fn local_variables_have_their_addresses() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let motor = "SUBROUTINE_BLOCK Motor:SBR3\nVAR_OUTPUT\nRuns:BOOL;\nEND_VAR\nVAR_INPUT\nGo:BOOL;\nSpeed:INT;\nEND_VAR\n\
+                 VAR\nLast:REAL;\nEND_VAR\nBEGIN\nNETWORK\nLD L0.0\n= L3.0\nEND_SUBROUTINE_BLOCK\n";
+    fs::write(folder.join("motor.awl"), motor).expect("the folder can be written");
+    let output = plcc(folder, &["view", "motor.awl", "--html", "page.html"]);
+    let page = fs::read_to_string(folder.join("page.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for (name, ty, address) in
+        [("Runs", "BOOL", "L3.0"), ("Go", "BOOL", "L0.0"), ("Speed", "INT", "LW1"), ("Last", "REAL", "LD4")]
+    {
+        let row = format!("\"{name}\",\"{ty}\",\"\",\"\",\"{address}\"");
+        assert!(page.contains(&row), "{row} in {page}");
+    }
+}
+
+#[test]
 fn steps_labels_and_returns_have_the_names_of_micro_win() {
     let main = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK\nLSCR S0.1\nNETWORK\nLD I0.0\nSCRT S0.2\nNETWORK\nSCRE\nNETWORK\n\
                 LD I0.1\nJMP 3\nNETWORK\nLBL 3\nEND_ORGANIZATION_BLOCK\n";

@@ -28,8 +28,9 @@ impl Maker<'_> {
             comment: block.comment.clone(),
             ..Page::default()
         };
-        for row in &block.declarations {
+        for (row, address) in block.declarations.iter().zip(addresses(&block.declarations)) {
             page.declarations.push(Declaration {
+                address,
                 section: match row.section {
                     s7200::Section::Input => "Input",
                     s7200::Section::InOut => "InOut",
@@ -102,4 +103,32 @@ impl Maker<'_> {
         }
         Some(Subroutine { name: block.name.as_ref().map_or(String::new(), |(name, _)| name.clone()), formals })
     }
+}
+
+/// The addresses of local variables, as Micro/WIN has them beside their names; empty for a type that the S7-200 does not have.
+/// Up to eight BOOLs share a byte, other variables begin with the next whole byte.
+fn addresses(rows: &[s7200::Declaration]) -> Vec<String> {
+    let mut addresses = vec![String::new(); rows.len()];
+    let (mut byte, mut bit) = (0, 0);
+    for section in [s7200::Section::Input, s7200::Section::InOut, s7200::Section::Output, s7200::Section::Temp] {
+        for (row, address) in rows.iter().zip(&mut addresses).filter(|(row, _)| row.section == section) {
+            let (letter, bytes) = match row.ty.as_str() {
+                "BOOL" => ("", 0),
+                "BYTE" | "CHAR" => ("B", 1),
+                "WORD" | "INT" => ("W", 2),
+                "DWORD" | "DINT" | "REAL" | "STRING" => ("D", 4),
+                _ => continue,
+            };
+            if bit == 8 || bit > 0 && bytes > 0 {
+                (byte, bit) = (byte + 1, 0);
+            }
+            *address = match bytes {
+                0 => format!("L{byte}.{bit}"),
+                _ => format!("L{letter}{byte}"),
+            };
+            byte += bytes;
+            bit += u32::from(bytes == 0);
+        }
+    }
+    addresses
 }

@@ -85,7 +85,7 @@ function html(i) {
     h += `<details ${code && p.secs.length ? "" : "open"}><summary>${code ? "Interface" : "Components"} (${p.rows.length})</summary><table><thead><tr>${code ? "<th></th>" : ""}<th>Name</th><th>Type</th><th>Address</th><th>Initial value</th><th>Comment</th></tr></thead>`;
     let last = "";
     for (const [sec, name, ty, init, com, addr, depth] of p.rows) {
-      h += `<tr>${code ? `<td>${sec === last ? "" : sec}</td>` : ""}<td style="padding-left:${8 + depth * 14}px">${esc(name)}</td><td>${esc(ty)}</td><td${addr ? ` data-k="${esc(addr)}"` : ""}>${esc(addr)}</td><td>${esc(init)}</td><td>${esc(com)}</td></tr>`;
+      h += `<tr>${code ? `<td>${sec === last ? "" : sec}</td>` : ""}<td style="padding-left:${8 + depth * 14}px">${esc(name)}</td><td>${esc(ty)}</td><td${addr && addr[0] !== "L" ? ` data-k="${esc(addr)}"` : ""}>${esc(addr)}</td><td>${esc(init)}</td><td>${esc(com)}</td></tr>`;
       last = sec;
     }
     h += "</table></details>";
