@@ -188,7 +188,18 @@ impl<'c> Names<'c> {
             OperandKind::Block { kind, number } => (self.block_numbered(*kind, *number).map(Named::Block), false),
             OperandKind::Constant(_) | OperandKind::Error => (None, false),
         };
-        uses.extend(named.map(|named| Use { span: operand.span, named, declares: false, is_name }));
+        let mut span = operand.span;
+        // `Start:I0.0`: the symbol, then its address.
+        if let Some(shown) = &operand.shown
+            && let Some(colon) = self.checked.sources.text(span).rfind(':')
+        {
+            let colon = span.start + colon as u32;
+            let name = Span { end: colon, ..span };
+            let symbol = self.symbol(owner, &shown.name, shown.form);
+            uses.extend(symbol.map(|named| Use { span: name, named, declares: false, is_name: true }));
+            span.start = colon + 1;
+        }
+        uses.extend(named.map(|named| Use { span, named, declares: false, is_name }));
     }
 
     /// As the binder finds names: variables of the block, then blocks and symbols.

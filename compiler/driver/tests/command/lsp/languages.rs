@@ -192,6 +192,20 @@ fn names_of_an_s7_200_are_known() {
     assert_eq!(found, Value::Null);
 }
 
+/// `Start:I0.0`: Micro/WIN shows a symbol and its address.
+#[test]
+fn symbols_before_their_addresses_are_renamed() {
+    let mut editor = Editor::new("shown");
+    editor.open("main.awl");
+    assert_eq!(editor.messages("main.awl"), Vec::<String>::new());
+    let mut rename = |piece: &str, to: &str| editor.rename("main.awl", piece, to).map(|edits| places(&edits));
+    let lines = |names: &[&str]| Ok(names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+    assert_eq!(rename("LD     St|art:I0.0", "Go"), lines(&["main.awl:5", "main.awl:8", "symbols.txt:1"]));
+    assert_eq!(rename("CALL   Bl|ink:SBR0", "Flash"), lines(&["main.awl:9", "main.awl:11"]));
+    assert_eq!(rename("=      #li|ght:L0.0", "lamp"), lines(&["main.awl:13", "main.awl:18"]));
+    assert!(rename("LD     Start:I|0.0", "Go").expect_err("an address").contains("address"));
+}
+
 #[test]
 fn subroutines_of_libraries_of_micro_win_show_their_parameters() {
     let mut editor = Editor::new("modbus");
