@@ -258,6 +258,19 @@ fn a_text_of_another_length_is_refused() {
     assert_eq!(messages, [expected]);
 }
 
+/// SCL copies the array before it calls the function, STL after it.
+#[test]
+fn an_array_that_a_later_argument_may_change_is_refused() {
+    let source = "FUNCTION_BLOCK FB 1\nVAR_INPUT\n a : ARRAY[0..1] OF INT;\n n : INT;\nEND_VAR\nBEGIN\n;\nEND_FUNCTION_BLOCK\n\
+                  DATA_BLOCK DB 1 FB 1\nBEGIN\nEND_DATA_BLOCK\n\
+                  DATA_BLOCK DB 2\nSTRUCT\n a : ARRAY[0..1] OF INT;\nEND_STRUCT\nBEGIN\nEND_DATA_BLOCK\n\
+                  FUNCTION FC 2 : INT\nBEGIN\n DB2.a[0] := 1;\n FC2 := 2;\nEND_FUNCTION\n\
+                  FUNCTION FC 1 : VOID\nBEGIN\n FB1.DB1(a := DB2.a, n := FC2());\nEND_FUNCTION\n";
+    let (messages, _) = converted(source);
+    let title = "STL has no form for an array or structure before an argument that calls a function";
+    assert_eq!(messages, [(title.to_string(), "DB2.a".to_string())]);
+}
+
 #[test]
 fn comments_stay_in_their_branch() {
     let source = "FUNCTION FC 1 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nBEGIN\n// limits\nIF x > 5 THEN\n // high\n FC1 := 1;\n\

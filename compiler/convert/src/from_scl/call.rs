@@ -344,6 +344,11 @@ impl Maker<'_> {
                 if !self.is_direct(access) || matches!(formal.ty, DataType::OpenArray(_)) {
                     return self.no_actual(argument.span);
                 }
+                if self.may_change_later(call, callee, formal, argument) {
+                    let what = "an array or structure before an argument that calls a function";
+                    self.refuse(argument.span, what, "call the function in a statement before this one");
+                    return None;
+                }
                 if !is_passed(callee, formal, &access.ty) {
                     let help = format!("pass a variable of type {}", layout::type_name(&formal.ty));
                     self.refuse(argument.span, "a text of another length than its parameter", &help);

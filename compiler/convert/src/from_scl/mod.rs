@@ -33,6 +33,7 @@ mod place;
 mod position;
 mod shift;
 mod text;
+mod turn;
 mod value;
 mod watch;
 
