@@ -1,5 +1,6 @@
 //! Instances: the block that is drawn is that of the variable.
 
+use super::super::functions;
 use super::super::objects::Object;
 use super::super::types::Ty;
 use super::Build;
@@ -12,7 +13,10 @@ impl Build<'_, '_, '_> {
         let Some(Ty::Named(declared)) = self.type_of(range.clone()) else { return };
         // The editor writes the name of a library before a point, or not.
         let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_lowercase();
-        if last(&object.name) == last(&declared) {
+        // `CTU` and `CTU_INT` are one block.
+        let library = |name: &str| functions::block(self.reader.editor, name);
+        let is_same = library(&object.name).is_some_and(|block| library(&declared) == Some(block));
+        if is_same || last(&object.name) == last(&declared) {
             return;
         }
         // The data of library blocks may have another name.
