@@ -121,6 +121,10 @@ fn not_a_folder(output: &Path) -> Option<String> {
         _ if output.is_dir() => return None,
         (true, _) => "name a folder, which gets a picture for each network and chart".to_string(),
         (false, true) => format!("write `--html {}` for one page", output.display()),
+        (false, false) if ["png", "jpg", "jpeg", "pdf"].into_iter().any(ends_in) => {
+            let page = output.with_extension("html");
+            format!("pictures are SVG: name a folder for them, or write `--html {}` for one page", page.display())
+        }
         (false, false) => return None,
     };
     Some(format!("-o {}: this is a file; {help}", output.display()))

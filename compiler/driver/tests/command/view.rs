@@ -538,6 +538,7 @@ fn a_view_says_what_it_has_written() {
     for (flags, status, says) in [
         (&["-o", "pictures", "--html", "lamp.html"][..], 0, "wrote 1 picture to pictures\nwrote lamp.html\n"),
         (&["-o", "lamp.svg"], 2, "plcc: -o lamp.svg: this is a file; name a folder"),
+        (&["-o", "lamp.pdf"], 2, "plcc: -o lamp.pdf: this is a file; pictures are SVG: name a folder for them"),
         (&["-o", "page.html"], 2, "plcc: -o page.html: this is a file; write `--html page.html` for one page"),
     ] {
         let arguments = [&["view", "lamp.stl"], flags].concat();
