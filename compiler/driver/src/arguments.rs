@@ -44,6 +44,9 @@ pub fn fault(args: &[OsString]) -> Option<String> {
     if let Some(told) = args.get(1..).and_then(other_command) {
         return Some(told);
     }
+    if let Some(told) = json_of_nothing(&args) {
+        return Some(told);
+    }
     let mut at = 0;
     while let Some(arg) = args.get(at) {
         at += 1;
@@ -58,6 +61,9 @@ pub fn fault(args: &[OsString]) -> Option<String> {
             },
             _ => continue,
         };
+        if flag == "--print" && value.trim().is_empty() {
+            return Some("--print has no names; write for example --print Q0.0,MW10".to_string());
+        }
         if let Some(told) = decimal_comma(flag, value) {
             return Some(told);
         }
@@ -101,6 +107,15 @@ fn source_for_command(first: &str) -> Option<String> {
              `plcc build {first}` for an executable"
         )
     })
+}
+
+/// `plcc run DIR --json` without values that it could print.
+fn json_of_nothing(args: &[&str]) -> Option<String> {
+    let own: Vec<&str> = args.iter().copied().take_while(|arg| *arg != "--").collect();
+    let has = |flag: &str| own.iter().any(|arg| arg.split('=').next() == Some(flag));
+    let prints = ["--print", "--scenario", "--help", "-h"].into_iter().any(has);
+    (own.get(1) == Some(&"run") && has("--json") && !prints)
+        .then(|| "--json writes the values of --print; add for example --print Q0.0,MW10".to_string())
 }
 
 /// `plcc compile main.scl`
@@ -183,6 +198,18 @@ mod tests {
         );
         assert_eq!(told(&["run", "--print", "QW0", "main.scl"]), None);
         assert_eq!(told(&["run", "--print", "QW0", "--cycles", "5"]), None);
+    }
+
+    #[test]
+    fn values_have_names() {
+        let none = Some("--print has no names; write for example --print Q0.0,MW10".to_string());
+        assert_eq!(told(&["run", "x", "--print", ""]), none);
+        assert_eq!(told(&["run", "x", "--print= "]), none);
+        let json = "--json writes the values of --print; add for example --print Q0.0,MW10";
+        assert_eq!(told(&["run", "x", "--json"]).as_deref(), Some(json));
+        assert_eq!(told(&["run", "x", "--json", "--print=Q0.0"]), None);
+        assert_eq!(told(&["run", "x", "--json", "--scenario", "a.toml"]), None);
+        assert_eq!(told(&["test", "x", "--json"]), None);
     }
 
     #[test]
