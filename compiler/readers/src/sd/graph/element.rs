@@ -188,6 +188,18 @@ impl Builder<'_, '_> {
 
     fn report_unknown(&mut self, target: Span) {
         let name = self.slice(target);
+        if name.eq_ignore_ascii_case("LABEL") {
+            let rest = self.text.text.get(target.end as usize..).unwrap_or_default();
+            let inner = rest.trim_start().strip_prefix('(').and_then(|rest| rest.split_once(')'));
+            let label = inner.map_or("…", |(label, _)| label.trim());
+            let help = format!("write `Label( {label} )` on the line after `NETWORK`");
+            self.report(
+                Diagnostic::new(Code::ElementPlace, target, "a label stands before the rungs of its network")
+                    .label("inside of a rung")
+                    .help(help),
+            );
+            return;
+        }
         if let Some((why, help)) = absent::reason(name) {
             let title = match plcc_stdlib::catalogued(name) {
                 Some((group, own)) => format!("`{own}` is an instruction of {} that plcc does not have", group.tool),
