@@ -56,7 +56,9 @@ pub fn areas() -> Result<(), Failed> {
         "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD SM0.0\n= Q0.0\nEND_ORGANIZATION_BLOCK\n",
     )?;
     process::plcc(&["build", "--quiet", "--services", "--cpu", "224XP"], &[&source], &out)?;
-    let plc = Plc::run(&out, &["--s7", &port.to_string(), "--access", "control", "--set", "AIW2=1234"])?;
+    let web = free_port();
+    let (s7, page) = (port.to_string(), web.to_string());
+    let plc = Plc::run(&out, &["--s7", &s7, "--web", &page, "--access", "control", "--set", "AIW2=1234"])?;
     // Transport size, elements, area, address; then the item in the answer. `C` is 2#0100_0011.
     let cases: [([u8; 4], &[u8]); 7] = [
         ([4, 1, 0x06, 16], &[0xFF, 4, 0, 16, 0x04, 0xD2]),
@@ -77,6 +79,11 @@ pub fn areas() -> Result<(), Failed> {
     let order = b"6ES7 214-2AD        ";
     if !answer.windows(order.len()).any(|part| part == order) {
         return Err(format!("the identification is {answer:02X?}").into());
+    }
+    // V is no data block.
+    let info = process::get(web, "/info")?;
+    if !info.contains(r#""blocks":{"OB":1}"#) || !info.contains(r#""V memory":"#) || info.contains("data blocks") {
+        return Err(info.into());
     }
     // In STOP nobody writes analog outputs.
     asks(port, &[CONNECT, SETUP, &write(AQ, 0)]).and_then(|answer| code(&answer, 0xFF))?;

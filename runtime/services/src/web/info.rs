@@ -57,7 +57,11 @@ fn of_cpu(cpu: &Cpu) -> Value {
     for kind in image.blocks.iter().map(|block| block.kind).chain(inner) {
         *blocks.entry(kind.prefix()).or_default() += 1;
     }
-    blocks.insert(BlockKind::Db.prefix(), image.dbs.len());
+    // An S7-200 has no data blocks: V is DB 1 here.
+    let is_s7200 = image.s7200.is_some();
+    if !is_s7200 {
+        blocks.insert(BlockKind::Db.prefix(), image.dbs.len());
+    }
     let obs = image.blocks.iter().filter(|block| block.kind == BlockKind::Ob);
     let obs = obs.map(|block| {
         let class = image.config.class_of(block.number).map(|class| format!("{class:?}"));
@@ -69,6 +73,8 @@ fn of_cpu(cpu: &Cpu) -> Value {
     });
     let db_bytes: usize = image.dbs.iter().map(|db| db.data.len()).sum();
     let profile = &image.profile;
+    let mut memory = json!({ "inputs": profile.inputs, "outputs": profile.outputs, "bit memory": profile.bit_memory });
+    memory[if is_s7200 { "V memory" } else { "data blocks" }] = db_bytes.into();
     let away = cpu.driver.away();
     let devices = (1u8..).zip(&image.config.remote).map(|(number, device)| {
         let line = match &device.line {
@@ -95,11 +101,6 @@ fn of_cpu(cpu: &Cpu) -> Value {
         "devices": devices.collect::<Vec<_>>(),
         "partners": partners.collect::<Vec<_>>(),
         "obs": obs.collect::<Vec<_>>(),
-        "memory": {
-            "data blocks": db_bytes,
-            "inputs": profile.inputs,
-            "outputs": profile.outputs,
-            "bit memory": profile.bit_memory,
-        },
+        "memory": memory,
     })
 }
