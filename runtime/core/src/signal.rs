@@ -247,7 +247,8 @@ impl Source {
             }
             Source::Bits(address) => parse_value(text, address, image).map(|bits| Value::Bits(bits, address.width)),
             Source::Typed(address, ty) => match (typed::parse(text, *ty), analog::with_unit(text)) {
-                (Err(_), Some((number, unit))) if address.width == Width::Word => {
+                // The seconds of a duration are no unit of a channel.
+                (Err(_), Some((number, unit))) if address.width == Width::Word && ty.ty != AssertType::S5Time => {
                     let word = scale(address, unit, image)?.word(number);
                     Ok(Value::typed(ty.ty, TypedValue::Bits(u64::from(word as u16)), address.width))
                 }

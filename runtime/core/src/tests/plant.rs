@@ -80,6 +80,11 @@ fn engineering_values_need_a_channel() {
     assert!(message("set = { \"I5.0\" = 1 }").starts_with("s.toml:3: I5.0: no module of the station has these"));
     assert!(message("expect = { \"MW0 as REAL\" = 1.0 }").contains("`MW0` has 16 bits, but REAL has 32"));
     assert!(message("expect = { \"plant.level\" = 1.0 }").contains("there is no plant"));
+    let longest = message("set = { \"T1.VALUE\" = \"10000s\" }");
+    assert!(
+        longest.contains("`10000s` does not fit into S5TIME, which goes from S5T#0ms to S5T#2h46m30s"),
+        "{longest}"
+    );
 }
 
 const TANK: &str = "[plant]\nstep = \"20ms\"\nequations = [\n  \"level = level + if(pump, 1, -drain) * dt\",\n]\n\
