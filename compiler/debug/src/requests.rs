@@ -16,7 +16,8 @@ use crate::wire::Request;
 /// An answer. `Err`: the error as a sentence.
 type Answer = Result<Value, String>;
 
-/// What the debugger can do.
+/// What the debugger can do. It does not offer to restart: `restart` runs the program as it was compiled, while a client that has no such
+/// request starts the debugger again, which compiles the sources as they are then.
 pub fn capabilities() -> Value {
     json!({
         "supportsConfigurationDoneRequest": true,
@@ -31,7 +32,6 @@ pub fn capabilities() -> Value {
         "supportsSetExpression": true,
         "supportsStepBack": true,
         "supportsSteppingGranularity": true,
-        "supportsRestartRequest": true,
         "supportsTerminateRequest": true,
         "supportsExceptionInfoRequest": true,
         "supportsLoadedSourcesRequest": true,
@@ -439,4 +439,14 @@ fn back(state: &mut State, wanted: Wanted) -> Value {
     let course = Some(Course::Search { before: state.count.max(1), wanted });
     state.outcome = Some(Outcome::Again { course, silent: true });
     json!({})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_restart_compiles_changed_sources() {
+        assert_eq!(capabilities().get("supportsRestartRequest"), None);
+    }
 }
