@@ -154,7 +154,11 @@ pub(super) fn send(call: &Call) -> Outcome {
     let mut bytes = Vec::new();
     call.cpu.memory.view(range.offset, range.bytes, |data| bytes.extend_from_slice(data));
     let mut communication = call.cpu.connections();
-    if !communication.connection(call.word(0)).is_some_and(|connection| connection.send(&bytes)) {
+    let Some(connection) = communication.connection(call.word(0)) else { return error(status::NOT_CONNECTED) };
+    if connection.description.protocol == Protocol::Udp && range.bytes > DATAGRAM_BYTES_MAX {
+        return error(LENGTH);
+    }
+    if !connection.send(&bytes) {
         return error(status::NOT_CONNECTED);
     }
     communication.note_waiting();
