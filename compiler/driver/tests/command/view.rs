@@ -246,6 +246,27 @@ fn a_page_of_a_data_block_has_its_values_and_comments() {
     }
 }
 
+/// A project in PLCopen XML has types as elements.
+#[test]
+fn a_page_of_a_project_has_the_names_of_types() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK \"Fill\"\nVAR_INPUT\n  level : Real;\nEND_VAR\nVAR\n  list : Array[1..3] of Int;\nEND_VAR\nBEGIN\n  \
+                  #list[1] := REAL_TO_INT(#level);\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("fill.scl"), source).expect("the folder can be written");
+    for arguments in [
+        &["convert", "fill.scl", "--to", "plcopen", "--cpu", "s7-1500", "-o", "fill.xml"][..],
+        &["view", "fill.xml", "--cpu", "s7-1500", "--html", "fill.html"],
+    ] {
+        let output = plcc(folder, arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let page = fs::read_to_string(folder.join("fill.html")).expect("it is written");
+    for row in [r#"["Input","level","REAL""#, r#"["Static","list","ARRAY[1..3] OF INT""#] {
+        assert!(page.contains(row), "{row} in {page}");
+    }
+}
+
 #[test]
 fn no_page_is_written_of_what_could_not_be_read() {
     let folder = tempfile::tempdir().expect("a temporary folder");

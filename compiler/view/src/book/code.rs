@@ -36,7 +36,7 @@ impl Maker<'_> {
             self.declare(&section.variables, name, 0, &mut page.declarations);
         }
         if let Some(of) = &block.return_type {
-            let ty = self.words(of.span);
+            let ty = self.type_words(of);
             page.declarations.push(Declaration {
                 section: "Return",
                 name: "RET_VAL".to_string(),

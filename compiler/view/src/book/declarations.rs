@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::Span;
-use plcc_syntax::ast::{self, BlockName, DataContent, Path, PathPart, PathRoot, TypeKind, TypeRef, Variable};
+use plcc_syntax::ast::{self, BlockName, Bound, DataContent, Path, PathPart, PathRoot, TypeKind, TypeRef, Variable};
 
 use super::{Declaration, Maker, Page};
 use crate::data;
@@ -31,7 +31,7 @@ impl Maker<'_> {
             self.declare(variables, "", 0, &mut page.declarations);
         }
         if let DataContent::OfType(ty) = &block.content {
-            page.comment.insert(0, format!("Type: {}", self.words(ty.span)));
+            page.comment.insert(0, format!("Type: {}", self.type_words(ty)));
         }
         let rows = paths(&page.declarations);
         for value in &block.values {
@@ -45,26 +45,63 @@ impl Maker<'_> {
 
     pub(super) fn declare(&self, list: &[Variable], section: &'static str, depth: usize, rows: &mut Vec<Declaration>) {
         for variable in list {
-            let structure = structure(&variable.ty).filter(|_| depth < 40);
-            let ty = match structure {
-                Some((_, span)) if span.start > variable.ty.span.start => {
-                    format!("{} STRUCT", self.words(Span { end: span.start, ..variable.ty.span }))
-                }
-                Some(_) if matches!(variable.ty.kind, TypeKind::Struct(_)) => "STRUCT".to_string(),
-                Some(_) | None => self.words(variable.ty.span),
-            };
             rows.push(Declaration {
                 section,
                 name: variable.name.clone(),
-                ty,
+                ty: self.type_words(&variable.ty),
                 initial: variable.initial.as_ref().map_or(String::new(), |value| self.words(value.span)),
                 comment: variable.comment.clone().unwrap_or_default(),
                 address: String::new(),
                 depth,
             });
-            if let Some((members, _)) = structure {
+            if let Some((members, _)) = structure(&variable.ty).filter(|_| depth < 40) {
                 self.declare(members, section, depth + 1, rows);
             }
+        }
+    }
+
+    /// A data type as its author wrote it; the components of a structure have rows of their own.
+    pub(super) fn type_words(&self, ty: &TypeRef) -> String {
+        let written = match structure(ty) {
+            Some((_, span)) if span.start > ty.span.start => {
+                format!("{} STRUCT", self.words(Span { end: span.start, ..ty.span }))
+            }
+            Some(_) if matches!(ty.kind, TypeKind::Struct(_)) => "STRUCT".to_string(),
+            Some(_) | None => self.words(ty.span),
+        };
+        // A project in PLCopen XML has types as elements.
+        if written.starts_with('<') { self.type_of_element(ty) } else { written }
+    }
+
+    fn type_of_element(&self, ty: &TypeRef) -> String {
+        let bound = |bound: &Bound| match bound {
+            Bound::Number(number, _) => number.to_string(),
+            Bound::Name(name, _) => name.clone(),
+            Bound::Expr(value) => self.words(value.span),
+            Bound::Path(path) => self.words(path.span),
+        };
+        let text = |name: &str, length: &Option<Bound>| match length {
+            Some(length) => format!("{name}[{}]", bound(length)),
+            None => name.to_string(),
+        };
+        match &ty.kind {
+            TypeKind::Named(name) => name.clone(),
+            TypeKind::Block(BlockName::Symbol { name, .. }) => format!("\"{name}\""),
+            TypeKind::Block(BlockName::Numbered { prefix, number, .. }) => format!("{} {number}", prefix.letters()),
+            TypeKind::String(length) => text("STRING", length),
+            TypeKind::WideString(length) => text("WSTRING", length),
+            TypeKind::Array { bounds, element } => {
+                let bounds: Vec<String> =
+                    bounds.iter().map(|(low, high)| format!("{}..{}", bound(low), bound(high))).collect();
+                format!("ARRAY[{}] OF {}", bounds.join(", "), self.type_of_element(element))
+            }
+            TypeKind::OpenArray { dimensions, element } => {
+                let bounds = vec!["*"; usize::from(*dimensions)].join(", ");
+                format!("ARRAY[{bounds}] OF {}", self.type_of_element(element))
+            }
+            TypeKind::Reference(of) => format!("REF_TO {}", self.type_of_element(of)),
+            TypeKind::Struct(_) => "STRUCT".to_string(),
+            TypeKind::Error => String::new(),
         }
     }
 }
