@@ -134,7 +134,7 @@ impl<'a> Globals<'a> {
             }
             let class = match class {
                 None if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) => {
-                    match self.unsaid_class(block, &name, span) {
+                    match self.unsaid_class(block, &name, span, &used) {
                         Some(class) => Some(class),
                         None => continue,
                     }
@@ -388,7 +388,13 @@ impl<'a> Globals<'a> {
 
     /// What starts an OB that does not state it: in sources of the TIA Portal its inputs tell, otherwise it is a program cycle OB. None in other
     /// sources, where the number is unknown, and if it states a class that does not exist; that is reported.
-    fn unsaid_class(&mut self, block: &ast::Block, name: &str, span: Span) -> Option<ObClass> {
+    fn unsaid_class(
+        &mut self,
+        block: &ast::Block,
+        name: &str,
+        span: Span,
+        used: &FxHashSet<(BlockPrefix, u32)>,
+    ) -> Option<ObClass> {
         if !self.input.partial
             && let ast::Block::Code(code) = block
             && let Some((None, text)) = class_attribute(&code.header)
@@ -420,7 +426,12 @@ impl<'a> Globals<'a> {
             self.report.push(message.label("the CPU finds an organization block by its number"));
             return None;
         }
-        if let Some(class) = class_of_inputs(block) {
+        // A class without free numbers has one block.
+        let has_number = |class: &ObClass| {
+            let row = class.row();
+            row.free || !used.contains(&(BlockPrefix::Ob, u32::from(row.numbers.0)))
+        };
+        if let Some(class) = class_of_inputs(block).filter(has_number) {
             return Some(class);
         }
         let mut message = message.label("treated as a program cycle OB, as the TIA Portal does").help(

@@ -143,17 +143,21 @@ pub fn block_class(block: &ast::Block) -> Option<ObClass> {
     }
 }
 
-/// What starts an OB, if its input parameters belong to one class alone: `Event_Count` is passed to cyclic interrupts only. Of classes that OBs
-/// with any number may have.
+/// What starts an OB, if its input parameters belong to one class alone, `Event_Count` to cyclic interrupts, or are all inputs of one class.
 pub fn class_of_inputs(block: &ast::Block) -> Option<ObClass> {
     let ast::Block::Code(code) = block else { return None };
     let sections = code.sections.iter().filter(|section| section.kind == SectionKind::Input);
     let inputs: Vec<&str> =
         sections.flat_map(|section| &section.variables).map(|variable| variable.name.as_str()).collect();
-    let is_passed = |class: ObClass, input: &str| {
-        START_VALUES.iter().any(|(of, name, ..)| *of == class && same_start_value(name, input))
-    };
-    let mut classes = OB_CLASSES.iter().filter(|row| inputs.iter().all(|input| is_passed(row.class, input)));
-    let row = classes.next().filter(|row| row.free)?;
-    classes.next().is_none().then_some(row.class)
+    let passed = |class: ObClass| START_VALUES.iter().filter(move |(of, ..)| *of == class);
+    let is_passed = |class: ObClass, input: &str| passed(class).any(|(_, name, ..)| same_start_value(name, input));
+    let classes = OB_CLASSES.iter().map(|row| row.class);
+    let classes: Vec<ObClass> =
+        classes.filter(|class| !inputs.is_empty() && inputs.iter().all(|input| is_passed(*class, input))).collect();
+    if let [only] = classes[..] {
+        return Some(only);
+    }
+    let mut exact = classes.into_iter().filter(|class| passed(*class).count() == inputs.len());
+    let class = exact.next()?;
+    exact.next().is_none().then_some(class)
 }
