@@ -393,6 +393,11 @@ fn written(address: &str, german: bool) -> String {
     found.map_or(address.to_string(), |(de, rest)| format!("{de}{rest}"))
 }
 
+/// Whether a key is that of a timer or counter: `T37`, `C5`. Its current value has the key `T37.VALUE`.
+pub fn is_cell(key: &str) -> bool {
+    key.strip_prefix(['T', 'C']).is_some_and(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
 /// An address in one form: `I0.0`, `MW10`, `DB5.DBX2.0`, `T5`. None: another text.
 pub fn canonical(text: &str, german: bool) -> Option<String> {
     let text: String = text.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();

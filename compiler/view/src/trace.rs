@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::names::{Names, Scope};
+use crate::names::{Names, Scope, is_cell};
 
 /// Values over time.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,7 +64,10 @@ fn column<'a>(text: &'a str, names: &Names) -> (&'a str, String, &'a str) {
     }
     let (name, unit) = text.rsplit_once(" in ").unwrap_or((text, ""));
     let name = name.rsplit_once(" as ").map_or(name, |(name, _)| name);
-    (name, key(name).unwrap_or_else(|| name.to_string()), unit)
+    // The current value of a timer or counter: `Delay.VALUE`.
+    let value = name.strip_suffix(".VALUE").and_then(key).filter(|key| is_cell(key));
+    let value = value.map(|key| format!("{key}.VALUE"));
+    (name, value.or_else(|| key(name)).unwrap_or_else(|| name.to_string()), unit)
 }
 
 /// Fields of a line of CSV.

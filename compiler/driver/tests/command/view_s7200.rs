@@ -143,3 +143,24 @@ fn en_that_a_subroutine_declares_is_no_further_pin() {
     shown.sort();
     assert_eq!(shown, ["5", "EN", "I0.0", "Motor", "Q1.0", "Runs", "Speed"]);
 }
+
+/// The bit of a timer is another value than the current value that a comparison reads.
+#[test]
+fn a_timer_that_is_compared_shows_its_current_value() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let main = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK\nLD Delay\n= Q0.0\nNETWORK\nLDW>= Delay, 20\n= Q0.1\n\
+                END_ORGANIZATION_BLOCK\n";
+    let trace = "cycle,time_ms,Delay,Delay.VALUE\n1,10,0,30\n";
+    for (name, text) in [("main.awl", main), ("symbols.txt", "Delay\tT37\t\n"), ("trace.csv", trace)] {
+        fs::write(folder.join(name), text).expect("the folder can be written");
+    }
+    let arguments = ["view", "main.awl", "symbols.txt", "--state", "trace.csv", "-o", "drawings"];
+    let output = plcc(folder, &arguments);
+    for (network, value) in [(1, "0"), (2, "30")] {
+        let picture = fs::read_to_string(folder.join(format!("drawings/OB_1_network_{network}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        let mut texts = picture.split("</text>").filter_map(|text| text.rsplit('>').next());
+        assert!(texts.any(|text| text.trim() == value), "{value} in {picture}");
+    }
+}

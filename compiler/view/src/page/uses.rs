@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::book::{Body, Book};
 use crate::listing::Kind;
-use crate::names::{Names, Scope, canonical};
+use crate::names::{Names, Scope, canonical, is_cell};
 use crate::sheet::{Label, Link, Look, Sheet, Source};
 
 /// For each key its uses: the numbers of page and section, and `w` for one that writes, `r` for one that reads, `c` for a call.
@@ -44,7 +44,8 @@ pub fn uses(book: &Book, names: &Names, local_only: bool) -> Value {
 fn of_sheet(sheet: &Sheet, add: &mut dyn FnMut(&str, &str, char)) {
     let mut known = |label: &Label, how: char| {
         if !label.key.is_empty() {
-            add(&label.key, &label.text, how);
+            let cell = label.key.strip_suffix(".VALUE").filter(|key| is_cell(key));
+            add(cell.unwrap_or(&label.key), &label.text, how);
         }
     };
     for part in &sheet.parts {

@@ -9,6 +9,7 @@ use plcc_syntax::stl::Mnemonics;
 use super::rungs::{Rungs, Span, side};
 use super::s7200_boxes::{Face, face};
 use super::{Label, Link, Look, Meaning, Pin, Place, Sheet};
+use crate::names::is_cell;
 
 /// A subroutine as its box shows it.
 pub struct Subroutine {
@@ -36,7 +37,11 @@ pub fn sheet(
             StatementKind::Instruction { insn: Insn::Assign, operands, .. } if maker.begins_wire(operands) => {}
             StatementKind::Instruction { insn, operands, .. } => {
                 maker.flows = operands.iter().map(|operand| maker.wire(operand)).collect();
-                let labels: Vec<Label> = operands.iter().map(label).collect();
+                let labelled = |(at, operand): (usize, &Operand)| match insn.operands().get(at) {
+                    Some(class) if is_word(*class) => as_word(label(operand)),
+                    _ => label(operand),
+                };
+                let labels: Vec<Label> = operands.iter().enumerate().map(labelled).collect();
                 let name = insn.mnemonic(Mnemonics::En).to_string();
                 maker.instruction(*insn, &name, labels).map_err(|reason| format!("`{name}` {reason}"))?;
             }
@@ -53,6 +58,17 @@ pub fn sheet(
         Some(_) => Err("a result of logic is not used".to_string()),
         None => Ok(maker.rungs.sheet()),
     }
+}
+
+/// Whether an operand of the class is a word: of a timer or counter its current value, not its bit.
+fn is_word(class: OperandClass) -> bool {
+    use OperandClass::*;
+    matches!(class, WordIn | IntIn | WordOut | WordOutAnalog | WordsIn | WordsOut | Table)
+}
+
+/// The label of an operand that is a word.
+fn as_word(label: Label) -> Label {
+    if is_cell(&label.key) { Label { key: format!("{}.VALUE", label.key), ..label } } else { label }
 }
 
 /// A bit of local memory: byte and bit.
