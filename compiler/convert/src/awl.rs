@@ -3,7 +3,7 @@
 
 use plcc_diag::Span;
 use plcc_syntax::ast::Width;
-use plcc_syntax::s7200::ast::{Area, Direct, Operand, OperandKind, Source, StatementKind};
+use plcc_syntax::s7200::ast::{Area, Direct, Operand, OperandKind, Source, StatementKind, SymbolForm};
 use plcc_syntax::stl::Mnemonics;
 
 use crate::addresses::Edit;
@@ -25,10 +25,23 @@ pub fn edits(source: &Source, set: Mnemonics) -> Vec<Edit> {
 
 fn of_operand(edits: &mut Vec<Edit>, operand: &Operand, set: Mnemonics) {
     match &operand.kind {
-        OperandKind::Direct(direct) => push(edits, operand.span, address(direct, set)),
+        OperandKind::Direct(direct) => push(edits, after_symbol(operand), address(direct, set)),
         OperandKind::Indirect(inner) | OperandKind::AddressOf(inner) => of_operand(edits, inner, set),
         OperandKind::Constant(_) | OperandKind::Symbol { .. } | OperandKind::Block { .. } | OperandKind::Error => {}
     }
+}
+
+/// The place of the address: `I0.0` of `Start:I0.0`, whose symbol stays.
+fn after_symbol(operand: &Operand) -> Span {
+    let symbol = operand.shown.as_ref().map_or(0, |shown| {
+        let signs = match shown.form {
+            SymbolForm::Bare => 0,
+            SymbolForm::Local => 1,
+            SymbolForm::Quoted => 2,
+        };
+        shown.name.len() + signs + 1
+    });
+    Span { start: operand.span.start + symbol as u32, ..operand.span }
 }
 
 fn push(edits: &mut Vec<Edit>, span: Span, text: String) {

@@ -61,6 +61,17 @@ fn calls_for_types_stay_in_xml() {
     }
 }
 
+/// `Start:I0.0`: Micro/WIN shows a symbol and its address.
+#[test]
+fn symbols_before_their_addresses_stay_with_other_mnemonics() {
+    let source = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD     Start:I0.0\nA      \"Stop\":I0.1\n=      Lamp:Q0.0\n\
+                  END_ORGANIZATION_BLOCK\n";
+    let folder = folder_with(&[("a.awl", source)]);
+    let german = plcc(&folder, &["convert", "a.awl", "--to", "awl", "--mnemonics", "de"]);
+    let expected = source.replace("A      ", "U      ").replace(":I0", ":E0").replace(":Q0", ":A0");
+    assert_eq!(text(&german.stdout), expected);
+}
+
 #[test]
 fn sources_of_the_s7_200_have_both_mnemonics() {
     expect(&["convert", "press", "--to", "awl", "--mnemonics", "de"], "press.german");
