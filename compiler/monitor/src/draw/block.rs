@@ -18,7 +18,22 @@ pub fn block(model: &Model, open: &block::Block, frame: &mut Frame, area: Rect) 
         .title_bottom(format!(" {} ", open.note))
         .border_style(Style::new().add_modifier(Modifier::BOLD));
     let aside = u16::try_from(model.aside).unwrap_or(u16::MAX);
+    let inner = edge.inner(area);
+    let widths: Vec<usize> = lines.iter().map(width).collect();
     frame.render_widget(Paragraph::new(lines).scroll((0, aside)).block(edge), area);
+    // A number that goes on beyond the edge is not read as another one.
+    let Some(last) = inner.right().checked_sub(1).filter(|_| inner.width > 0) else { return };
+    for (y, width) in (inner.top()..inner.bottom()).zip(widths) {
+        if width > usize::from(aside) + usize::from(inner.width) {
+            frame.buffer_mut()[(last, y)].set_symbol("…");
+        }
+    }
+}
+
+/// Columns of a line without the blanks at its end.
+fn width(line: &Line<'_>) -> usize {
+    let text: String = line.iter().map(|span| &*span.content).collect();
+    Span::raw(text.trim_end()).width()
 }
 
 fn line(row: &Row) -> Line<'_> {
