@@ -144,6 +144,7 @@ fn term(part: &Part) -> Term {
             );
             match (operands.next(), operands.next()) {
                 (Some((left, at)), Some((right, other))) => {
+                    let (left, right) = (as_compared(&part.look, left), as_compared(&part.look, right));
                     let real = is_real(&part.look, [&left, &right]);
                     let told = at.zip(other).map(|(left, right)| Told { left, right, inverse: *inverse });
                     Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right, real, told }
@@ -155,14 +156,27 @@ fn term(part: &Part) -> Term {
     }
 }
 
-/// Whether a comparison is one of floating-point numbers: by its type, or without one by a constant.
-fn is_real(look: &Look, operands: [&String; 2]) -> bool {
-    let ty = match look {
+/// The type of a comparison; empty if it is not known.
+fn type_of(look: &Look) -> &str {
+    match look {
         Look::Compare { ty, .. } => ty.trim(),
         Look::Box { detail, .. } => detail.trim(),
         _ => "",
-    };
-    match ty {
+    }
+}
+
+/// An operand of a comparison: constants of double words have all of their digits, since 16#FFFF alone would be the INT -1.
+fn as_compared(look: &Look, text: String) -> String {
+    let is_double = ["D", "DI", "DINT", "DWORD"].iter().any(|ty| ty.eq_ignore_ascii_case(type_of(look)));
+    match text.strip_prefix("16#").map(|digits| digits.replace('_', "")) {
+        Some(digits) if is_double && digits.len() <= 8 => format!("16#{digits:0>8}"),
+        _ => text,
+    }
+}
+
+/// Whether a comparison is one of floating-point numbers: by its type, or without one by a constant.
+fn is_real(look: &Look, operands: [&String; 2]) -> bool {
+    match type_of(look) {
         "" => operands.iter().any(|text| text.contains('.') && text.replace('_', "").parse::<f64>().is_ok()),
         ty => ["R", "REAL", "LREAL"].iter().any(|real| real.eq_ignore_ascii_case(ty)),
     }
@@ -353,11 +367,26 @@ mod tests {
     }
 
     #[test]
+    fn a_short_constant_of_a_double_word_has_zeros_in_front() {
+        let look = |ty: &str| Look::Compare { sign: "==".to_string(), ty: ty.to_string() };
+        for (ty, text, expected) in [
+            ("D", "16#FFFF", "16#0000FFFF"),
+            ("DInt", "16#F_FFFF", "16#000FFFFF"),
+            ("D", "16#FFFF_FFFF", "16#FFFFFFFF"),
+            ("I", "16#FFFF", "16#FFFF"),
+            ("D", "VD100", "VD100"),
+        ] {
+            assert_eq!(as_compared(&look(ty), text.to_string()), expected, "{text}");
+        }
+    }
+
+    #[test]
     fn bits_are_numbers_of_the_type_that_is_compared() {
         for (text, real, expected) in [
             ("16#3F000000", true, Some(0.5)),
             ("16#FFFFFFFF", false, Some(-1.0)),
             ("16#FFFB", false, Some(-5.0)),
+            ("16#FF_FB", false, Some(-5.0)),
             ("16#FFFB", true, None),
             ("16#FFFF_FFFB", false, Some(-5.0)),
             ("2#1000_0001", false, Some(129.0)),
