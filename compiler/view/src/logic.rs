@@ -68,9 +68,13 @@ pub enum Value {
 /// The logic of a sheet.
 pub fn logic(sheet: &Sheet) -> Logic {
     let mut logic = Logic::default();
+    let rail = || match sheet.rail.as_str() {
+        "" => Term::Rail,
+        key => Term::Same(Input { value: Value::Operand(key.to_string()), negated: false, place: None }),
+    };
     for net in &sheet.nets {
         let terms = net.sources.iter().map(|source| match source {
-            Source::Rail => Term::Rail,
+            Source::Rail => rail(),
             Source::Net(net) => Term::Same(Input { value: Value::Net(*net), negated: false, place: None }),
             Source::Operand { label, negated } => {
                 Term::Same(Input { value: operand(label), negated: *negated, place: label.place })
@@ -88,7 +92,7 @@ pub fn logic(sheet: &Sheet) -> Logic {
         logic.nets.push(terms.collect());
     }
     // The rail has a number of its own.
-    logic.nets.push(vec![Term::Rail]);
+    logic.nets.push(vec![rail()]);
     for (at, part) in sheet.parts.iter().enumerate() {
         if let (Meaning::Contact { negated }, Some(place)) = (&part.meaning, part.place) {
             logic.contacts.push((at, place, *negated));

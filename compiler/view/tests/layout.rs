@@ -60,7 +60,8 @@ fn part(kind: usize, from: usize, to: Option<usize>, reset: Option<usize>, furth
 
 /// Fills in the sources of nets.
 fn finished(parts: Vec<Part>, nets: usize) -> Sheet {
-    let mut sheet = Sheet { parts, nets: (0..nets).map(|n| Net { name: format!("w{n}"), ..Net::default() }).collect() };
+    let nets = (0..nets).map(|n| Net { name: format!("w{n}"), ..Net::default() }).collect();
+    let mut sheet = Sheet { parts, nets, ..Sheet::default() };
     sheet.nets[0].sources.push(Source::Rail);
     for at in 0..sheet.parts.len() {
         for index in 0..sheet.parts[at].pins.len() {

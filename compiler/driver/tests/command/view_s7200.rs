@@ -164,3 +164,23 @@ fn a_timer_that_is_compared_shows_its_current_value() {
         assert!(texts.any(|text| text.trim() == value), "{value} in {picture}");
     }
 }
+
+/// The rail of a step has power while its S bit is 1.
+#[test]
+fn a_step_that_is_not_active_has_no_power() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let step = |bit: &str, output: &str| format!("NETWORK\nLSCR {bit}\nNETWORK\nLD I0.0\n= {output}\nNETWORK\nSCRE\n");
+    let steps = [step("S0.1", "Q0.0"), step("S0.2", "Q0.1")].concat();
+    let main = format!("ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\n{steps}END_ORGANIZATION_BLOCK\n");
+    fs::write(folder.join("main.awl"), main).expect("the folder can be written");
+    let trace = "cycle,time_ms,I0.0,S0.1,S0.2,Q0.0,Q0.1\n1,10,1,1,0,1,0\n";
+    fs::write(folder.join("trace.csv"), trace).expect("the folder can be written");
+    let output = plcc(folder, &["view", "main.awl", "--state", "trace.csv", "-o", "drawings"]);
+    for (network, has_power) in [(2, true), (5, false)] {
+        let picture = fs::read_to_string(folder.join(format!("drawings/OB_1_network_{network}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        assert_eq!(picture.contains("class=\"w on\""), has_power, "{picture}");
+        assert_eq!(picture.contains("class=\"w off\""), !has_power, "{picture}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Pages of programs of the S7-200.
 
 use plcc_syntax::s7200::ast as s7200;
-use plcc_syntax::s7200::libraries;
+use plcc_syntax::s7200::{Insn, libraries};
 use plcc_syntax::stl::Mnemonics;
 
 use super::{Declaration, Maker, Page, Section};
@@ -45,6 +45,8 @@ impl Maker<'_> {
         }
         let scope = Scope { german: self.unit.mnemonics == Mnemonics::De, ..Scope::default() };
         page.scope = scope;
+        // The bit of the sequence step that the networks are in.
+        let mut step = String::new();
         for (at, network) in block.networks.iter().enumerate() {
             // Micro/WIN writes symbols without quotes.
             let label = |operand: &s7200::Operand| {
@@ -59,6 +61,16 @@ impl Maker<'_> {
                 }
             };
             let drawn = sheet::s7200::sheet(&network.statements, &label, &|name, count| self.subroutine(name, count));
+            let frame = frame(network);
+            let drawn = drawn.map(|drawn| match frame {
+                Frame::None => sheet::Sheet { rail: step.clone(), ..drawn },
+                Frame::Begins(_) | Frame::Ends => drawn,
+            });
+            match frame {
+                Frame::None => {}
+                Frame::Begins(bit) => step = label(bit).key,
+                Frame::Ends => step.clear(),
+            }
             let spans = network.statements.iter().map(|statement| statement.span);
             page.sections.push(Section {
                 number: network.number.map_or(at + 1, |number| number as usize),
@@ -103,6 +115,24 @@ impl Maker<'_> {
         }
         Some(Subroutine { name: block.name.as_ref().map_or(String::new(), |(name, _)| name.clone()), formals })
     }
+}
+
+/// What a network is to a sequence step.
+enum Frame<'n> {
+    None,
+    /// It has LSCR with this bit.
+    Begins(&'n s7200::Operand),
+    /// It has SCRE.
+    Ends,
+}
+
+fn frame(network: &s7200::Network) -> Frame<'_> {
+    let mut frames = network.statements.iter().filter_map(|statement| match &statement.kind {
+        s7200::StatementKind::Instruction { insn: Insn::Lscr, operands, .. } => operands.first().map(Frame::Begins),
+        s7200::StatementKind::Instruction { insn: Insn::Scre, .. } => Some(Frame::Ends),
+        _ => None,
+    });
+    frames.next_back().unwrap_or(Frame::None)
 }
 
 /// The addresses of local variables, as Micro/WIN has them beside their names; empty for a type that the S7-200 does not have.

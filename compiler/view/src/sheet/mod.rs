@@ -14,6 +14,8 @@ pub struct Sheet {
     /// In the order of evaluation.
     pub parts: Vec<Part>,
     pub nets: Vec<Net>,
+    /// The key of the bit that gives the rail its power, in a sequence step of an S7-200; empty: there is always power.
+    pub rail: String,
 }
 
 /// A wire.

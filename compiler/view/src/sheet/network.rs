@@ -62,7 +62,7 @@ fn sheet_with(graph: &Graph, language: Language, names: &Names, scope: Scope, wo
         nets.push(Net { name, sources: sources.collect(), joins: None });
     }
     let parts = graph.elements.iter().map(|element| part(element, language, words)).collect();
-    let mut sheet = Sheet { parts, nets };
+    let mut sheet = Sheet { parts, nets, ..Sheet::default() };
     for (at, element) in graph.elements.iter().enumerate() {
         if let Target::Element { row, .. } = &element.target {
             sheet.add_outputs(at, row);

@@ -157,7 +157,7 @@ impl Rungs {
     }
 
     pub fn sheet(self) -> Sheet {
-        let mut sheet = Sheet { parts: Vec::new(), nets: Vec::new() };
+        let mut sheet = Sheet::default();
         let roots: Vec<usize> = (0..self.same.len()).map(|net| self.root(net)).collect();
         sheet.nets = (0..self.same.len()).map(|at| Net { name: format!("n{at}"), ..Net::default() }).collect();
         for net in &self.rails {
