@@ -34,8 +34,8 @@ fn a_call_has_the_parameters_of_a_subroutine_in_another_source() {
     let motor = "SUBROUTINE_BLOCK Motor:SBR3\nVAR_INPUT\nGo:BOOL;\nSpeed:INT;\nEND_VAR\nVAR_OUTPUT\nRuns:BOOL;\nEND_VAR\n\
                  BEGIN\nNETWORK\nLD #Go\nAW> #Speed, 0\n= #Runs\nEND_SUBROUTINE_BLOCK\n";
     let sources = [("main.awl", main.as_str()), ("motor.awl", motor)];
-    for (shown, title) in texts(&sources, 3).iter().zip(["Motor", "SBR3", "Motor"]) {
-        for text in [title, "EN", "Go", "Speed", "Runs"] {
+    for shown in texts(&sources, 3) {
+        for text in ["Motor", "EN", "Go", "Speed", "Runs"] {
             assert!(shown.iter().any(|shown| shown == text), "{text} in {shown:?}");
         }
     }
