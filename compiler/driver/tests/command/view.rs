@@ -429,6 +429,23 @@ fn timers_counters_and_flip_flops_have_all_of_their_outputs() {
     assert_eq!(row(&flip_flop, "Q"), row(&flip_flop, "S"));
 }
 
+/// CLK and Q, as the TIA Portal draws the boxes; the bit below has no name.
+#[test]
+fn boxes_of_edges_name_the_flow() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK Edges\n  VAR\n    old : BOOL;\n    fell : BOOL;\n  END_VAR\n  { S7_Language := \"LAD\" }\n  \
+                  NETWORK\n    RUNG wire#powerrail Contact( %I0.0 ) P_Trig( #old ) N_Trig( #fell ) Coil( %Q0.0 ) END_RUNG\n  \
+                  END_NETWORK\nEND_FUNCTION_BLOCK\n";
+    fs::write(folder.join("edges.s7dcl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "edges.s7dcl", "--cpu", "s7-1500", "-o", "drawings"]);
+    let picture = fs::read_to_string(folder.join("drawings/FB_1_network_1.svg"))
+        .unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for (text, count) in [("P_TRIG", 1), ("N_TRIG", 1), ("CLK", 2), ("Q", 2), ("BIT", 0)] {
+        assert_eq!(picture.matches(&format!(">{text}</text>")).count(), count, "{text} in {picture}");
+    }
+}
+
 #[test]
 fn a_view_without_an_output_names_both_kinds() {
     let folder = tempfile::tempdir().expect("a temporary folder");

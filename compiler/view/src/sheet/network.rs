@@ -256,6 +256,8 @@ fn types(element: &Element) -> String {
 fn pin_name(element: &Element, name: &str) -> String {
     match &element.target {
         Target::Element { row, .. } => match (row.kind, name) {
+            (Kind::EdgeTrigger { .. }, "in") => "CLK".to_string(),
+            (Kind::EdgeTrigger { .. }, "out") => "Q".to_string(),
             (Kind::Gate(_) | Kind::EdgeTrigger { .. }, _) => String::new(),
             (Kind::Compare(_) | Kind::Range { .. }, "pre" | "out") => String::new(),
             (Kind::Range { .. }, "in") => "VAL".to_string(),
