@@ -4,6 +4,7 @@
 //!   are missing.
 //! - [`implied_profile`]: the CPU of sources that name none.
 //! - [`instruction_pins`]: what STL passes to an instruction of the TIA Portal that it calls by its name.
+//! - [`library_code`]: what a block of the CPU or of a library declares.
 //! - [`with_chart_data`]: what the block of a chart declares without saying so.
 //! - [`check_modules`] compares a bound program with the modules of its station.
 //!
@@ -14,6 +15,6 @@ mod modules;
 
 pub use bind::{
     NOT_CONNECTED, bind, block_of_file, complete, implied_profile, instruction_pins, is_about_drafts, is_s7200,
-    library_interface, runs, system_members, tables, with_chart_data,
+    library_code, library_interface, runs, system_members, tables, with_chart_data,
 };
 pub use modules::check_modules;

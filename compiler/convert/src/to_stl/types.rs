@@ -5,18 +5,21 @@ use std::collections::{HashMap, HashSet};
 use plcc_model::InstructionPin;
 use plcc_syntax::Elementary;
 use plcc_syntax::ast::{
-    Block, BlockName, Call, CodeBlock, CodeKind, DataContent, OperandKind, PathPart, PathRoot, Section, SectionKind,
-    SourceUnit, TypeKind, TypeRef, Variable, Width,
+    Block, BlockName, BlockPrefix, Call, Code, CodeBlock, CodeKind, DataContent, OperandKind, PathPart, PathRoot,
+    Section, SectionKind, SourceUnit, StatementKind, TypeKind, TypeRef, Variable, Width,
 };
 use plcc_syntax::literal::Literal;
 use plcc_syntax::network::elements::{Kind, Row, find_sd};
-use plcc_syntax::symbols::{SymbolTable, SymbolTarget};
+use plcc_syntax::symbols::{SymbolTable, SymbolTarget, parse_address};
 
 use super::operand::slice_type;
 use crate::xml::system;
 
 /// The parameters of a call of an instruction that supplies those with the given names; none: STL has no such call.
 pub type FindInstruction = fn(&str, &[&str]) -> Option<Vec<InstructionPin>>;
+
+/// The block of the CPU or of a library with a number, whose symbol may say that it is another one.
+pub type FindBlock = fn(BlockPrefix, u32, Option<&str>) -> Option<CodeBlock>;
 
 /// What the sources of a program declare.
 #[derive(Default)]
@@ -30,6 +33,10 @@ pub struct Types<'a> {
     function_blocks: HashMap<String, &'a BlockName>,
     /// Blocks with code, by folded names.
     blocks: HashMap<String, &'a CodeBlock>,
+    /// The blocks of the CPU and of libraries that statements call, by folded names.
+    library: HashMap<String, CodeBlock>,
+    /// The number of a block for its symbol, and its symbol for the number.
+    other_names: HashMap<String, String>,
     /// Components of timers, counters and dates with time, by folded names of their types.
     system: HashMap<String, Vec<Variable>>,
     /// Instructions that STL calls by name.
@@ -41,7 +48,6 @@ pub struct Types<'a> {
 impl<'a> Types<'a> {
     pub fn new(units: impl Iterator<Item = &'a SourceUnit>, tables: &[SymbolTable]) -> Types<'a> {
         let mut types = Types { system: system::members().chain([system::moment()]).collect(), ..Types::default() };
-        // The number of a block for its symbol, and its symbol for the number.
         let mut other_names = HashMap::new();
         for symbol in tables.iter().flat_map(|table| &table.symbols) {
             if let Some(ty) = elementary(&symbol.ty) {
@@ -85,12 +91,38 @@ impl<'a> Types<'a> {
             }
         }
         types.add_other_names(&other_names);
-        types
+        Types { other_names, ..types }
     }
 
     /// With instructions that STL calls by name.
     pub fn with_instructions(self, find: FindInstruction) -> Types<'a> {
         Types { instructions: Some(find), ..self }
+    }
+
+    /// With the parameters of blocks of the CPU and of libraries that statements call: `CALL SFC 20`.
+    pub fn with_library(mut self, units: impl Iterator<Item = &'a SourceUnit>, find: FindBlock) -> Types<'a> {
+        for block in units.flat_map(|unit| &unit.blocks) {
+            let Block::Code(block) = block else { continue };
+            let Code::Stl(networks) = &block.code else { continue };
+            for statement in networks.iter().flat_map(|network| &network.statements) {
+                let StatementKind::Call(call) = &statement.kind else { continue };
+                let Some(name) = self.called(call, block).map(|name| key(&name)) else { continue };
+                if self.blocks.contains_key(&name) || self.library.contains_key(&name) {
+                    continue;
+                }
+                let other = self.other_names.get(&name);
+                let (number, symbol) = match parse_address(&name) {
+                    Some(target @ SymbolTarget::Block { .. }) => (Some(target), other.map(String::as_str)),
+                    _ => (other.and_then(|number| parse_address(number)), Some(name.as_str())),
+                };
+                if let Some(SymbolTarget::Block { prefix, number }) = number
+                    && let Some(found) = find(prefix, number, symbol)
+                {
+                    self.library.insert(name, found);
+                }
+            }
+        }
+        self
     }
 
     /// For an S7-1200 or S7-1500, or for another CPU.
@@ -149,10 +181,10 @@ impl<'a> Types<'a> {
         }
     }
 
-    /// Where a called block of the sources declares a parameter.
+    /// Where a called block of the sources or of the library declares a parameter.
     pub fn section(&self, call: &Call, parameter: &str, block: &CodeBlock) -> Option<SectionKind> {
         let name = key(&self.called(call, block)?);
-        let called = self.blocks.get(&name)?;
+        let called = self.blocks.get(&name).copied().or_else(|| self.library.get(&name))?;
         if called.return_type.is_some() && parameter.eq_ignore_ascii_case("RET_VAL") {
             return Some(SectionKind::Output);
         }

@@ -142,6 +142,7 @@ fn notation(args: &ConvertArgs, to: ConvertTo) -> u8 {
         // If no CPU is named, limits are checked where the sources need an S7-300.
         let keeps_br = (is_named || profile.limits_checked) && matches!(family, Family::S7300 | Family::S7400);
         let types = types.with_instructions(plcc_program::instruction_pins).for_portal(family.is_portal());
+        let types = types.with_library(parsed.units.iter().map(|(_, unit)| unit), plcc_program::library_code);
         for (id, unit) in &parsed.units {
             let source = parsed.sources.file(*id);
             if companions::is_made(&source.name) {

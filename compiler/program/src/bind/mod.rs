@@ -32,7 +32,7 @@ mod notation;
 mod tests;
 
 pub use declarations::predefined::system_members;
-pub use declarations::shipped::library_interface;
+pub use declarations::shipped::{library_code, library_interface};
 pub use globals::pins::instruction_pins;
 pub use network::{NOT_CONNECTED, is_about_drafts};
 pub use partial::complete;

@@ -29,6 +29,31 @@ fn assertions_after_nop_stand_before_their_network() {
     }
 }
 
+/// What the CPU and the libraries of STEP 7 declare is not in the sources. A symbol may say that a number is that of another block.
+#[test]
+fn calls_of_the_library_are_drawn() {
+    let list = "//@ cpu s7-300\nORGANIZATION_BLOCK OB 1\nVAR_TEMP info : ARRAY[0..19] OF BYTE; END_VAR\nBEGIN\nNETWORK\n\
+                L L#123456;\nT MD 0;\nL 13824;\nT MW 40;\nSET;\n= M 50.0;\nNETWORK\nA M 50.0;\nJNB _001;\n\
+                CALL SFC 20 (SRCBLK := MD 0, RET_VAL := MW 54, DSTBLK := MD 10);\n_001: NOP 0;\nNETWORK\nA M 50.0;\n\
+                JNB _002;\nCALL FC 105 (IN := MW 40, HI_LIM := 1.0e2, LO_LIM := 0.0, BIPOLAR := M 50.1, RET_VAL := MW 20, \
+                OUT := MD 24);\n_002: NOP 0;\nNETWORK\nA M 50.0;\nJNB _003;\n\
+                CALL SFB 4, DB 4 (IN := M 50.0, PT := T#0ms, Q := M 60.2, ET := MD 64);\n_003: NOP 0;\n\
+                //@ assert MD 10 == 123456\n//@ assert MD 24 as REAL == 50.0\nEND_ORGANIZATION_BLOCK\n\
+                DATA_BLOCK DB 4\nSFB 4\nBEGIN\nEND_DATA_BLOCK\n";
+    let folder = folder_with(&[("a.stl", list), ("b.sdf", "\"Own\",\"FC 105\",\"FC 105\",\"\"\r\n")]);
+    for notation in ["lad", "fbd"] {
+        done(&folder, &["convert", "a.stl", "--to", notation, "-o", "a.s7dcl"]);
+        let made = read(&folder, "a.s7dcl");
+        for call in ["%SFC20( ", "RET_VAL => %MW54", "%FC105( ", "OUT => %MD24", "%DB4( "] {
+            assert!(made.contains(call), "{call} in {made}");
+        }
+        expect_passed(&folder, &["a.s7dcl", "--cpu", "s7-300"], 2);
+    }
+    let refused = plcc(folder.path(), &["convert", "a.stl", "b.sdf", "--to", "lad", "-o", "made/"]);
+    let said = text(&refused.stderr);
+    assert!(said.contains("JNB _002") && !said.contains("JNB _001"), "{said}");
+}
+
 /// Parts of variables, `#w.%X2`, are no components.
 #[test]
 fn parts_of_variables_are_drawn() {
