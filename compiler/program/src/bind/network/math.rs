@@ -184,6 +184,9 @@ impl NetworkBinder<'_, '_> {
                 (Some(ty), _) if operator != Operator::Power => {
                     let left = self.scl().convert(ctx, result, ty)?;
                     let right = self.scl().convert(ctx, value, ty)?;
+                    if matches!(operator, Operator::Divide | Operator::Modulo) {
+                        self.scl().check_divisor(&right);
+                    }
                     Value::Elementary(binary_expr(binary_op(operator), left, right, ty, span))
                 }
                 (_, Operator::Power) => {

@@ -113,6 +113,14 @@ impl SclBinder<'_, '_> {
         self.refuse(Code::AlwaysSame, value.span, &title, label, help);
     }
 
+    /// Warns of a whole number that a box divides by if it is always 0.
+    pub(in crate::bind) fn check_divisor(&mut self, divisor: &Expr) {
+        if divisor.ty.is_integer() && matches!(Known::of(divisor), Some(Known::Whole(0))) {
+            const HELP: &str = "write another divisor, or a variable that is not 0";
+            self.refuse(Code::AlwaysSame, divisor.span, "this always divides by 0", "the divisor is 0", HELP);
+        }
+    }
+
     /// Warns of constant limits with no value between them. `pins`: their names.
     pub(in crate::bind) fn check_limits(&mut self, low: &Value, high: &Value, pins: [&str; 2]) {
         let number = |value: &Value| match value {
