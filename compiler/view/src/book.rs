@@ -141,9 +141,10 @@ pub fn book_with(
 ) -> Book {
     let mut book = Book { title: title.to_string(), pages: Vec::new(), is_live: options.is_live };
     let types = Types::new(units.iter().map(|(_, unit)| *unit), &[]);
+    let declared = declarations::declared(units);
     for (text, unit) in units {
         let text = unit.overlay.as_deref().unwrap_or(text);
-        let maker = Maker { text, unit, units, names, program, types: &types, options };
+        let maker = Maker { text, unit, units, names, program, types: &types, declared: &declared, options };
         for block in &unit.blocks {
             match block {
                 ast::Block::Code(block) => book.pages.push(maker.code(block)),
@@ -173,6 +174,7 @@ struct Maker<'a> {
     names: &'a Names,
     program: Option<&'a Program>,
     types: &'a Types<'a>,
+    declared: &'a HashMap<String, declarations::Declared<'a>>,
     options: Options<'a>,
 }
 

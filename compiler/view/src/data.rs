@@ -5,7 +5,7 @@ use plcc_model::types::{DataType, Member};
 use crate::book::Declaration;
 
 /// Rows of a page: more components are left out, and the last row says so.
-const ROWS_MAX: usize = 5_000;
+pub const ROWS_MAX: usize = 5_000;
 
 /// Adds a row for each component. `db`: none for components of the elements of an array, whose addresses differ.
 pub fn members(db: Option<u16>, list: &[Member], base: u32, depth: usize, rows: &mut Vec<Declaration>) {

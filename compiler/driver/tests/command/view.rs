@@ -225,6 +225,32 @@ fn components_of_a_data_block_have_initial_values_and_comments() {
     }
 }
 
+/// Those that its function block or data type declares, unless the data block has another value.
+#[test]
+fn an_instance_has_the_initial_values_and_comments_of_its_block() {
+    let source = "FUNCTION_BLOCK \"Motor\"\nVAR_INPUT\n  speed : INT := 50;\nEND_VAR\nVAR\n  count : INT := 7; // how often\n  \
+                  s : STRUCT\n    a : INT := 3;\n  END_STRUCT;\n  u : \"Limits\";\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n\
+                  DATA_BLOCK \"Motor_DB\" \"Motor\"\nBEGIN\n  speed := 60;\nEND_DATA_BLOCK\n\
+                  DATA_BLOCK \"Limits_DB\" \"Limits\"\nBEGIN\nEND_DATA_BLOCK\n";
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join("motor.scl"), source).expect("the folder can be written");
+    let limits = "TYPE \"Limits\"\nSTRUCT\n  high : INT := 4;\nEND_STRUCT;\nEND_TYPE\n";
+    fs::write(folder.join("limits.udt"), limits).expect("the folder can be written");
+    let output = plcc(folder, &["view", "motor.scl", "limits.udt", "--cpu", "s7-1500", "--html", "page.html"]);
+    let page = fs::read_to_string(folder.join("page.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    for row in [
+        r#"["","speed","INT","60","","DB1.DBW0",0]"#,
+        r#"["","count","INT","7","how often","DB1.DBW2",0]"#,
+        r#"["","a","INT","3","","DB1.DBW4",1]"#,
+        r#"["","high","INT","4","","DB1.DBW6",1]"#,
+        r#"["","high","INT","4","","DB2.DBW0",0]"#,
+    ] {
+        assert!(page.contains(row), "{row} in {page}");
+    }
+}
+
 #[test]
 fn a_page_of_a_data_block_has_its_values_and_comments() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -4,10 +4,50 @@ use std::collections::HashMap;
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::Span;
-use plcc_syntax::ast::{self, BlockName, Bound, DataContent, Path, PathPart, PathRoot, TypeKind, TypeRef, Variable};
+use plcc_syntax::ast::{
+    self, BlockName, Bound, CodeKind, DataContent, Path, PathPart, PathRoot, SectionKind, SourceUnit, TypeKind,
+    TypeRef, Variable,
+};
 
 use super::{Declaration, Maker, Page};
 use crate::data;
+
+/// What a source declares by a name: a data type, or a function block.
+pub(super) struct Declared<'a> {
+    /// What the places of the variables are in.
+    text: &'a str,
+    unit: &'a SourceUnit,
+    /// The variables that a variable of this type has, section by section.
+    variables: Vec<&'a [Variable]>,
+}
+
+/// The data types and function blocks of the sources.
+pub(super) fn declared<'a>(units: &[(&'a str, &'a SourceUnit)]) -> HashMap<String, Declared<'a>> {
+    let mut found = HashMap::new();
+    for &(text, unit) in units {
+        let text = unit.overlay.as_deref().unwrap_or(text);
+        for block in &unit.blocks {
+            let (name, variables) = match block {
+                ast::Block::Code(block) if block.kind == CodeKind::Fb => {
+                    let lasting = block.sections.iter().filter(|section| section.kind != SectionKind::Temp);
+                    (&block.name, lasting.map(|section| section.variables.as_slice()).collect())
+                }
+                ast::Block::Type(block) => (&block.name, vec![block.members.as_slice()]),
+                ast::Block::Code(_) | ast::Block::Data(_) => continue,
+            };
+            found.entry(key(name)).or_insert(Declared { text, unit, variables });
+        }
+    }
+    found
+}
+
+/// A name in small letters; numbered blocks are apart from them.
+fn key(name: &BlockName) -> String {
+    match name {
+        BlockName::Symbol { name, .. } => name.to_lowercase(),
+        BlockName::Numbered { prefix, number, .. } => format!("{} {number}", prefix.letters()),
+    }
+}
 
 impl Maker<'_> {
     pub(super) fn data(&self, block: &ast::DataBlock) -> Page {
@@ -21,11 +61,13 @@ impl Maker<'_> {
             page.name = db.name.clone();
             let mut rows = Vec::new();
             data::members(Some(db.number), &db.members, 0, 0, &mut rows);
-            if let DataContent::Struct(variables) = &block.content {
-                let mut declared = Vec::new();
-                self.declare(variables, "", 0, &mut declared);
-                describe(&mut rows, &declared);
+            let mut declared = Vec::new();
+            match &block.content {
+                DataContent::Struct(variables) => self.components(variables, 0, &mut declared),
+                DataContent::OfType(ty) => self.components_of_type(ty, 0, &mut declared),
+                DataContent::Array(..) | DataContent::Empty => {}
             }
+            describe(&mut rows, &declared);
             page.declarations = rows;
         } else if let DataContent::Struct(variables) = &block.content {
             self.declare(variables, "", 0, &mut page.declarations);
@@ -45,18 +87,56 @@ impl Maker<'_> {
 
     pub(super) fn declare(&self, list: &[Variable], section: &'static str, depth: usize, rows: &mut Vec<Declaration>) {
         for variable in list {
-            rows.push(Declaration {
-                section,
-                name: variable.name.clone(),
-                ty: self.type_words(&variable.ty),
-                initial: variable.initial.as_ref().map_or(String::new(), |value| self.words(value.span)),
-                comment: variable.comment.clone().unwrap_or_default(),
-                address: String::new(),
-                depth,
-            });
+            rows.push(self.row(variable, section, depth));
             if let Some((members, _)) = structure(&variable.ty).filter(|_| depth < 40) {
                 self.declare(members, section, depth + 1, rows);
             }
+        }
+    }
+
+    fn row(&self, variable: &Variable, section: &'static str, depth: usize) -> Declaration {
+        Declaration {
+            section,
+            name: variable.name.clone(),
+            ty: self.type_words(&variable.ty),
+            initial: variable.initial.as_ref().map_or(String::new(), |value| self.words(value.span)),
+            comment: variable.comment.clone().unwrap_or_default(),
+            address: String::new(),
+            depth,
+        }
+    }
+
+    /// The rows of components of a data block, also of those that are of a data type or function block of the sources.
+    fn components(&self, list: &[Variable], depth: usize, rows: &mut Vec<Declaration>) {
+        for variable in list {
+            if depth > 40 || rows.len() > data::ROWS_MAX {
+                return;
+            }
+            rows.push(self.row(variable, "", depth));
+            match structure(&variable.ty) {
+                Some((members, _)) => self.components(members, depth + 1, rows),
+                // The value of the whole has precedence over the values in its type.
+                None if variable.initial.is_none() => self.components_of_type(&variable.ty, depth + 1, rows),
+                None => {}
+            }
+        }
+    }
+
+    fn components_of_type(&self, ty: &TypeRef, depth: usize, rows: &mut Vec<Declaration>) {
+        let name = match &ty.kind {
+            TypeKind::Block(name) => key(name),
+            TypeKind::Named(name) => name.to_lowercase(),
+            TypeKind::String(_)
+            | TypeKind::WideString(_)
+            | TypeKind::Array { .. }
+            | TypeKind::OpenArray { .. }
+            | TypeKind::Reference(_)
+            | TypeKind::Struct(_)
+            | TypeKind::Error => return,
+        };
+        if let Some(found) = self.declared.get(&name) {
+            let maker = Maker { text: found.text, unit: found.unit, ..*self };
+            found.variables.iter().for_each(|list| maker.components(list, depth, rows));
         }
     }
 
