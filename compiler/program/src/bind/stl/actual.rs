@@ -17,6 +17,7 @@ use crate::bind::declarations::pointer::{
 use crate::bind::declarations::typed::is_complex;
 use crate::bind::globals::Globals;
 use crate::bind::globals::names::code_kind;
+use crate::bind::globals::sources::portal_cpu;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::constant::Constant;
@@ -368,6 +369,16 @@ impl StlBinder<'_, '_> {
     ) -> Option<Actual> {
         let (place, ty) = match &settled {
             Settled::Complex { place, ty } => (place, ty),
+            // A data block of a data type is a value of this type in the TIA Portal.
+            Settled::Block { prefix: BlockPrefix::Db, number: Number::Known(number) }
+                if portal_cpu(self.program.globals.input) =>
+            {
+                let ty = self.program.data.db_type(*number).map(DataType::Struct);
+                if ty.is_some_and(|ty| layout::same_type(&formal.ty, &ty)) {
+                    return Some(Actual::Place(Place::Db { number: *number, byte: 0, bit: 0 }));
+                }
+                return self.mismatch(callee, formal, &settled, span);
+            }
             // The caller keeps the constant in its local data.
             Settled::Literal(literal @ (Literal::DateAndTime(_) | Literal::Text(_)))
                 if formal.direction == Direction::Input =>
