@@ -316,7 +316,11 @@ impl<'a> Declarations<'a> {
                 let key = BlockKey { kind, number };
                 let possible = match used {
                     Use::Static => true,
-                    Use::Parameter(section) => section == SectionKind::InOut && self.types.scope.scl,
+                    // STL of the TIA Portal reads timers and counters that its caller passes.
+                    Use::Parameter(section) => {
+                        let scope = &self.types.scope;
+                        section == SectionKind::InOut && (scope.scl || (scope.tia && kind == BlockKind::Sfb))
+                    }
                     Use::Component | Use::StaticPart => predefined::is_component(kind),
                     Use::Temp | Use::Result => false,
                 };

@@ -13,7 +13,7 @@ use crate::bind::declarations::calls::InstanceId;
 use crate::bind::declarations::typed::BoundInterface;
 use crate::bind::globals::names::code_kind;
 use crate::bind::stl::StlBinder;
-use crate::bind::stl::instance::{instance_key, named_instance};
+use crate::bind::stl::instance::{instance_key, is_passed, named_instance};
 use crate::bind::stl::move_call::names_a_type;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::fold;
@@ -83,6 +83,7 @@ impl StlBinder<'_, '_> {
             Settled::Complex { place, ty } => match (instance_key(&ty), named_instance(&place)) {
                 (Some(key), Some(instance)) => (key, Some(instance)),
                 (Some(_), None) if !place.indices().is_empty() => return self.computed_instance(span),
+                (Some(_), None) if is_passed(&place) => return self.passed_instance(span),
                 _ => return self.not_callable(span),
             },
             _ => return self.not_callable(span),

@@ -58,6 +58,7 @@ impl StlBinder<'_, '_> {
             return match named_instance(place) {
                 Some(instance) => self.own_instance(key, own, instance, operand.span),
                 None if !place.indices().is_empty() => self.computed_instance(operand.span),
+                None if is_passed(place) => self.passed_instance(operand.span),
                 None => self.no_instance(operand.span),
             };
         }
@@ -101,6 +102,18 @@ impl StlBinder<'_, '_> {
     /// Reports an instance that an index chooses.
     pub fn computed_instance<T>(&mut self, span: Span) -> Option<T> {
         self.no_variable_index(span, "the instance of a call must be known")
+    }
+
+    /// Reports an instance that is a parameter.
+    pub fn passed_instance<T>(&mut self, span: Span) -> Option<T> {
+        let text = self.program.globals.text(span);
+        let title = format!("plcc does not call `{text}` in STL: it is an instance of the caller");
+        self.program.report(
+            Diagnostic::new(Code::OperandKind, span, title)
+                .label("a parameter of this block")
+                .help("call it in the block that declares it, or write this block in SCL, LAD or FBD"),
+        );
+        None
     }
 
     /// `CALL TON, #timer` of the TIA Portal, which names the block of an instance, too. `own`: the block of the instance.
@@ -202,6 +215,11 @@ pub fn instance_key(ty: &DataType) -> Option<BlockKey> {
     let (sfb, number) = structure.instance_of?;
     let kind = if sfb { BlockKind::Sfb } else { BlockKind::Fb };
     Some(BlockKey { kind, number })
+}
+
+/// Whether a place is in what the caller passes.
+pub const fn is_passed(place: &Place) -> bool {
+    matches!(place, Place::Parameter { .. } | Place::ThroughPointer { .. })
 }
 
 /// The instance at a place: in the instance of this block, or in a data block.
