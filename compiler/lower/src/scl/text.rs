@@ -51,12 +51,20 @@ pub struct TextPlace {
     pub formal: Option<FormalText>,
 }
 
-/// Bytes of a text of the longest kind in the frame.
+/// Bytes of a result of type `ty` in the frame, where a text has room for [`result_maximum`] characters.
 pub fn result_bytes(ty: &DataType) -> u32 {
+    match Text::of(ty) {
+        Some(Text::Narrow) => result_maximum(ty) + 2,
+        Some(Text::Wide) => 2 * result_maximum(ty) + 4,
+        None => layout::bytes(ty),
+    }
+}
+
+/// Most characters of a text that is a result: 254, or what is declared if that is more.
+fn result_maximum(ty: &DataType) -> u32 {
     match ty {
-        DataType::String(_) => TEXT_MAX + 2,
-        DataType::WideString(_) => 2 * TEXT_MAX + 4,
-        _ => layout::bytes(ty),
+        DataType::WideString(declared) => TEXT_MAX.max(u32::from(*declared)),
+        _ => TEXT_MAX,
     }
 }
 
@@ -104,7 +112,7 @@ impl BlockLowering<'_, '_> {
         self.drop_room(addr);
         self.b.clear(addr, bytes);
         match Text::of(ty) {
-            Some(kind) => self.store_head(addr, kind, TEXT_MAX, 0),
+            Some(kind) => self.store_head(addr, kind, result_maximum(ty), 0),
             None => self.store_heads(addr, ty),
         }
         addr
