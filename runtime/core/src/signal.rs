@@ -55,6 +55,10 @@ pub enum Source {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     Bits(Width),
+    /// A whole number of 64 bits, which are more than a REAL of a trace holds.
+    Long {
+        signed: bool,
+    },
     /// Durations in seconds.
     Number,
     Text,
@@ -218,6 +222,8 @@ impl Source {
                 | AssertType::Wchar
                 | AssertType::Text
                 | AssertType::WideText => Shape::Text,
+                AssertType::Signed(64) => Shape::Long { signed: true },
+                AssertType::Unsigned(64) => Shape::Long { signed: false },
                 _ => Shape::Number,
             },
             Source::Channel(..)

@@ -200,8 +200,11 @@ pub fn signals(cpu: &Cpu, asked: &[Signal], printed: &[Signal]) -> (Vec<Signal>,
 
 #[cfg(test)]
 mod tests {
+    use plcc_abi::image::AssertType;
+
     use super::*;
     use crate::address;
+    use crate::typed::ValueType;
 
     fn signal(name: &str) -> Signal {
         Signal { name: name.to_string(), source: Source::Bits(address::parse(name).unwrap()) }
@@ -224,6 +227,31 @@ mod tests {
         let expected = "$timescale 1 us $end\n$scope module plc $end\n$var wire 1 ! Q0.0 $end\n\
             $var wire 16 \" MW_2 $end\n$upscope $end\n$enddefinitions $end\n\
             #0\n0!\nb0000000000000101 \"\n#20000\n1!\nb0000000000000110 \"\n";
+        assert_eq!(String::from_utf8(bytes).unwrap(), expected);
+    }
+
+    /// A `real` has 53 bits.
+    #[test]
+    fn vcd_has_all_digits_of_long_numbers() {
+        let long = |name: &str, ty: AssertType| Signal {
+            name: name.to_string(),
+            source: Source::Typed(
+                Address { place: Place::BitMemory(8), width: Width::Lword },
+                ValueType { ty, length: 0 },
+            ),
+        };
+        let mut bytes = Vec::new();
+        let signals = [long("Sum", AssertType::Signed(64)), long("Total", AssertType::Unsigned(64))];
+        let mut sink = waveform::Waveform::new(&mut bytes, &signals).unwrap();
+        sink.sample(0, 0, &[Value::Whole(-2), Value::Whole((1 << 53) + 1)]).unwrap();
+        sink.finish().unwrap();
+        drop(sink);
+        let (ones, zeros) = ("1".repeat(63), "0".repeat(52));
+        let expected = format!(
+            "$timescale 1 us $end\n$scope module plc $end\n$var integer 64 ! Sum $end\n\
+             $var wire 64 \" Total $end\n$upscope $end\n$enddefinitions $end\n\
+             #0\nb{ones}0 !\nb00000000001{zeros}1 \"\n",
+        );
         assert_eq!(String::from_utf8(bytes).unwrap(), expected);
     }
 

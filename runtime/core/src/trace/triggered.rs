@@ -113,7 +113,7 @@ fn value(source: &Source, number: f64) -> Value {
     match (source, source.shape()) {
         (_, Shape::Bits(width)) => Value::Bits(number as u64, width),
         (Source::Typed(_, ty), _) if is_whole(ty.ty) => Value::Whole(number as i128),
-        (_, Shape::Number | Shape::Text) => Value::Number(number),
+        (_, Shape::Long { .. } | Shape::Number | Shape::Text) => Value::Number(number),
     }
 }
 

@@ -11,6 +11,8 @@ use crate::signal::{Shape, Value};
 pub(super) struct Waveform<W: Write> {
     writer: vcd::Writer<W>,
     codes: Vec<IdCode>,
+    /// Signals that are whole numbers of 64 bits, which are written bit by bit.
+    is_long: Vec<bool>,
     last: Vec<Option<Value>>,
     /// Time of the last sample that had changes.
     stamp: Option<u64>,
@@ -27,13 +29,17 @@ impl<W: Write> Waveform<W> {
             let name: String = signal.name.chars().map(|c| if c.is_whitespace() { '_' } else { c }).collect();
             codes.push(match signal.source.shape() {
                 Shape::Bits(width) => writer.add_wire(width.bits(), &name)?,
+                // In Verilog an `integer` has a sign.
+                Shape::Long { signed: true } => writer.add_var(VarType::Integer, 64, &name, None)?,
+                Shape::Long { signed: false } => writer.add_wire(64, &name)?,
                 Shape::Number => writer.add_var(VarType::Real, 64, &name, None)?,
                 Shape::Text => writer.add_var(VarType::String, 1, &name, None)?,
             });
         }
         writer.upscope()?;
         writer.enddefinitions()?;
-        Ok(Waveform { writer, last: vec![None; codes.len()], codes, stamp: None })
+        let is_long = signals.iter().map(|signal| matches!(signal.source.shape(), Shape::Long { .. })).collect();
+        Ok(Waveform { writer, last: vec![None; codes.len()], codes, is_long, stamp: None })
     }
 }
 
@@ -80,6 +86,9 @@ impl<W: Write> Sink for Waveform<W> {
                 Value::Bits(bits, Width::Bit(_)) => self.writer.change_scalar(code, bit(bits, 0))?,
                 Value::Bits(bits, width) => {
                     self.writer.change_vector(code, (0..width.bits()).rev().map(|index| bit(bits, index)))?;
+                }
+                Value::Whole(whole) if self.is_long.get(index) == Some(&true) => {
+                    self.writer.change_vector(code, (0..64).rev().map(|index| bit(whole as u64, index)))?;
                 }
                 Value::Whole(_) | Value::Number(_) | Value::Typed(..) => match value.number() {
                     Some(number) => self.writer.change_real(code, number)?,
