@@ -67,8 +67,8 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
     let is_value = |index: usize| index != time && header.get(index) != Some("cycle");
     let mut columns: Vec<(usize, Column)> = Vec::new();
     for (index, name) in header.iter().enumerate().filter(|(index, _)| is_value(*index)) {
-        let (name, unit) = name.rsplit_once(" in ").unwrap_or((name, ""));
-        let name = name.rsplit_once(" as ").map_or(name, |(name, _)| name);
+        let (name, unit) = split_last(name, " in ").unwrap_or((name, ""));
+        let name = split_last(name, " as ").map_or(name, |(name, _)| name);
         columns.push((
             index,
             Column { name: name.to_string(), unit: unit.to_string(), is_bit: true, is_text: false, points: Vec::new() },
@@ -108,6 +108,11 @@ fn columns(trace: &str) -> Result<Vec<Column>, String> {
         return Err("this trace has no samples".to_string());
     }
     Ok(columns.into_iter().map(|(_, column)| column).collect())
+}
+
+/// Splits the head of a column at its last separator that is not in the quotes of a name, as in `"Pump in use"`.
+fn split_last<'a>(head: &'a str, separator: &str) -> Option<(&'a str, &'a str)> {
+    head.rsplit_once(separator).filter(|(_, after)| !after.contains('"'))
 }
 
 /// True for `'abc'`, `D#2026-01-31`, `TOD#6:00:00` and the like.
@@ -150,6 +155,19 @@ mod tests {
         assert_eq!(heads, [("Q0.1", "", true), ("AO0", "%", false), ("Level", "%", false), ("MW2", "", false)]);
         assert_eq!(columns[1].points, [(0.0, 0.0), (0.5, 12.5)]);
         assert_eq!(columns[3].points, [(0.0, -1.0), (0.5, 1.0)]);
+    }
+
+    /// Names in quotes have any words.
+    #[test]
+    fn columns_have_the_names_of_their_symbols() {
+        let heads =
+            "time_ms,\"\"\"Pump in use\"\"\",\"\"\"D\"\".\"\"Level as set\"\"\",\"\"\"Level in tank\"\" as REAL in %\"";
+        let columns = columns(&format!("{heads}\n0,0,1,2\n500,1,2,3\n")).unwrap();
+        let heads: Vec<(&str, &str, bool)> =
+            columns.iter().map(|column| (column.name.as_str(), column.unit.as_str(), column.is_bit)).collect();
+        let expected =
+            [("\"Pump in use\"", "", true), ("\"D\".\"Level as set\"", "", false), ("\"Level in tank\"", "%", false)];
+        assert_eq!(heads, expected);
     }
 
     #[test]

@@ -10,8 +10,10 @@ function fields(line) {
 const lines = $("#samples").textContent.replace(/&lt;/g, "<").split(/\r?\n/).filter((l) => l.trim());
 const header = fields(lines[0] ?? ""), at = header.indexOf("time_ms");
 const kept = header.map((n, i) => i).filter((i) => i !== at && header[i] !== "cycle");
-const units = kept.map((i) => (header[i].includes(" in ") ? header[i].split(" in ").pop() : ""));
-const columns = kept.map((i) => header[i].replace(/ in [^]*$/, "").replace(/ as \w+$/, ""));
+// A name in quotes has any words: "Pump in use".
+const heads = kept.map((i) => /^([^]*) in ([^"]*)$/.exec(header[i]) ?? [, header[i], ""]);
+const units = heads.map((h) => h[2]);
+const columns = heads.map((h) => h[1].replace(/ as \w+$/, ""));
 // The last line may still be written.
 const rows = lines.slice(1).map(fields).filter((r) => r.length === header.length).map((r) => [Number(r[at]), kept.map((i) => r[i])]);
 if (!rows.length) { $("#cursors").textContent = "no samples"; return; }
