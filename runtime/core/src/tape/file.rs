@@ -160,7 +160,9 @@ impl Pieces<'_> {
         let (prefix, rest) = self.rest.split_at_checked(PREFIX_BYTES).ok_or_else(&mut cut)?;
         let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|index| prefix[at + index]));
         let (length, check) = (number(0) as usize, number(4));
-        let (piece, rest) = rest.split_at_checked(length).ok_or_else(&mut cut)?;
+        let Some((piece, rest)) = rest.split_at_checked(length) else {
+            return Err(if begins_with_piece(rest, check) { damaged("its length is wrong") } else { cut() });
+        };
         if crc32fast::hash(piece) != check {
             return Err(damaged("the checksum differs"));
         }
@@ -174,6 +176,17 @@ impl Pieces<'_> {
         (self.rest, self.at, self.number) = (rest, self.at + PREFIX_BYTES + length, self.number + 1);
         Ok(value)
     }
+}
+
+/// Whether bytes begin with a whole piece of this checksum: then the file is not cut off, but the length of the piece is damaged.
+fn begins_with_piece(bytes: &[u8], check: u32) -> bool {
+    const LENGTH_MAX: usize = 16 << 20;
+    let mut sum = crc32fast::Hasher::new();
+    let mut ends_piece = |byte: &u8| {
+        sum.update(std::slice::from_ref(byte));
+        sum.clone().finalize() == check
+    };
+    check == crc32fast::hash(&[]) || bytes.iter().take(LENGTH_MAX).any(&mut ends_piece)
 }
 
 /// Writes a file.
@@ -269,7 +282,7 @@ mod tests {
         for at in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[at] ^= 0x10;
-            assert!(!Recording::parse(&bytes).is_ok_and(|recording| recording.cut.is_none()), "byte {at}");
+            assert!(Recording::parse(&bytes).is_err(), "byte {at}");
         }
         let error = Recording::parse(&[&whole[..], b"x"].concat()).map(|_| ()).unwrap_err();
         assert_eq!(error, format!("1 bytes after the end, at byte {}", whole.len()));
