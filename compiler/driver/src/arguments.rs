@@ -1,12 +1,13 @@
 //! Mistakes in arguments that the parser of the command line takes for something else: a decimal comma in `--set X=1,5`, where commas
-//! separate values, a blank in such a list, a source where a command is expected, words of other tools for a command, and flags with one
-//! hyphen.
+//! separate values, a blank in such a list, a source where a command is expected, words of other tools for a command, flags with one
+//! hyphen, and negative values.
 
 use std::ffi::OsString;
 use std::path::Path;
 
 use clap::CommandFactory;
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ErrorKind};
+use plcc_literal::distance::nearest;
 use plcc_runtime::address;
 use plcc_runtime::options::split_list;
 
@@ -74,18 +75,44 @@ pub fn fault(args: &[OsString]) -> Option<String> {
     None
 }
 
-/// What is wrong with arguments that the parser refuses, where one hyphen is the reason: `-cycles 5`.
-pub fn one_hyphen(error: &clap::Error, args: &[OsString]) -> Option<String> {
-    if error.kind() != ErrorKind::UnknownArgument {
-        return None;
-    }
+/// What is wrong with arguments that the parser refuses, where it does not see the reason.
+pub fn refused(error: &clap::Error, args: &[OsString]) -> Option<String> {
     let args: Vec<&str> = args.iter().filter_map(|arg| arg.to_str()).collect();
     let cli = Cli::command();
-    let command = cli.find_subcommand(args.get(1)?)?;
-    args[2..].iter().take_while(|arg| **arg != "--").find_map(|arg| {
+    match error.kind() {
+        ErrorKind::UnknownArgument => {
+            let command = cli.find_subcommand(args.get(1)?)?;
+            one_hyphen(command, &args[2..]).or_else(|| negative_value(command, &args[2..]))
+        }
+        // The parser has suggestions of its own, but none for `rn`.
+        ErrorKind::InvalidSubcommand if error.get(ContextKind::SuggestedSubcommand).is_none() => {
+            let first = args.get(1)?;
+            let meant = nearest(first, cli.get_subcommands().map(clap::Command::get_name))?;
+            Some(format!("`{first}` is not a command; did you mean `{meant}`?"))
+        }
+        _ => None,
+    }
+}
+
+/// `-cycles 5`
+fn one_hyphen(command: &clap::Command, args: &[&str]) -> Option<String> {
+    args.iter().take_while(|arg| **arg != "--").find_map(|arg| {
         let flag = arg.strip_prefix('-')?.split('=').next()?;
         let is_flag = command.get_arguments().any(|own| own.get_long() == Some(flag));
         is_flag.then(|| format!("`-{flag}` has one hyphen: write `--{flag}`"))
+    })
+}
+
+/// `--cycle-time -10ms`
+fn negative_value(command: &clap::Command, args: &[&str]) -> Option<String> {
+    let own: Vec<&str> = args.iter().copied().take_while(|arg| *arg != "--").collect();
+    own.windows(2).find_map(|pair| {
+        let [flag, value] = *pair else { return None };
+        let has_value = command.get_arguments().any(|own| {
+            own.get_long().is_some_and(|long| flag.strip_prefix("--") == Some(long)) && own.get_action().takes_values()
+        });
+        let is_number = value.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+        (has_value && is_number).then(|| format!("{flag} takes no negative value such as `{value}`"))
     })
 }
 
@@ -219,18 +246,34 @@ mod tests {
         assert_eq!(told(&["--version"]), None);
     }
 
+    /// What is told of arguments that the parser refuses.
+    fn told_after(args: &[&str]) -> Option<String> {
+        let args: Vec<OsString> = std::iter::once(&"plcc").chain(args).map(OsString::from).collect();
+        let error = Cli::command().try_get_matches_from(&args).expect_err("the parser refuses it");
+        refused(&error, &args)
+    }
+
     #[test]
     fn one_hyphen_before_a_long_name() {
-        let told = |args: &[&str]| {
-            let args: Vec<OsString> = std::iter::once(&"plcc").chain(args).map(OsString::from).collect();
-            let error = Cli::command().try_get_matches_from(&args).expect_err("the parser refuses it");
-            one_hyphen(&error, &args)
-        };
+        let told = told_after;
         let meant = Some("`-cycles` has one hyphen: write `--cycles`".to_string());
         assert_eq!(told(&["run", "x", "-cycles", "5"]), meant);
         assert_eq!(told(&["run", "-cycles=5", "x"]), meant);
         assert_eq!(told(&["run", "x", "-x"]), None);
         assert_eq!(told(&["run", "x", "--what"]), None);
+    }
+
+    #[test]
+    fn times_are_not_negative() {
+        let meant = Some("--cycle-time takes no negative value such as `-10ms`".to_string());
+        assert_eq!(told_after(&["run", "x", "--cycle-time", "-10ms"]), meant);
+        assert_eq!(told_after(&["run", "x", "--what", "-10ms"]), None);
+    }
+
+    #[test]
+    fn slips_in_commands() {
+        assert_eq!(told_after(&["rn", "x"]), Some("`rn` is not a command; did you mean `run`?".to_string()));
+        assert_eq!(told_after(&["zzzzz"]), None);
     }
 
     #[test]

@@ -69,7 +69,7 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
             report::say(&format!("internal fault, please report it: {fault}"));
             exit::COMPILE
         }),
-        Err(error) => match arguments::one_hyphen(&error, &args) {
+        Err(error) => match arguments::refused(&error, &args) {
             Some(told) => {
                 report::say(&told);
                 exit::USAGE
