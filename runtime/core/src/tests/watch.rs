@@ -226,6 +226,26 @@ fn what_a_table_refuses() {
     assert!(wrong("[[row]]\naddress = \"MB10\"\nmodify = \"256\"\nformat = \"dec\"").contains("does not fit"));
     assert!(wrong("[[row]]\naddress = \"MB10\"\nformt = \"dec\"").contains("formt"));
     assert!(wrong("[[row]]\naddress = \"T5\"\nmodify = \"1\"").contains("state of a timer"));
-    let dtl = "[[row]]\naddress = \"MB10 as DTL\"\nmodify = \"DTL#2020-01-01-00:00:00\"";
-    assert!(wrong(dtl).contains("a row cannot modify a value of type DTL"));
+    let dtl = "[[row]]\naddress = \"IB10 as DTL\"\nmodify = \"DTL#2020-01-01-00:00:00\"";
+    assert!(wrong(dtl).contains("a row cannot modify inputs as a value of type DTL"));
+}
+
+#[test]
+fn texts_and_moments_are_modified() {
+    let cpu = cpu(vec![(1, Box::new(|_: &Cpu, _: u32| {}) as Block)]);
+    let text = r#"
+        [[row]]
+        address = "MB10 as DTL"
+        modify = "DTL#2020-01-02-03:04:05"
+
+        [[row]]
+        address = "MB40 as STRING"
+        modify = "'Tank'"
+    "#;
+    let table = Table::parse(text, &cpu).unwrap();
+    run_observed(&cpu, 1, &mut Watched(table.clone()));
+    let values: Vec<String> = table.shown(&cpu).into_iter().map(|row| row.value).collect();
+    assert_eq!(values[1], "'Tank'");
+    assert!(values[0].starts_with("DTL#2020-01-02-03:04:05"), "{values:?}");
+    assert_eq!(cpu.read_bytes(&address::parse("MB40").unwrap(), 6), [254, 4, b'T', b'a', b'n', b'k']);
 }

@@ -31,12 +31,13 @@ use plcc_abi::ProgramImage;
 use plcc_abi::image::AssertType;
 use serde::{Deserialize, Serialize};
 
-use crate::address::Address;
+use crate::address::{Address, Place, Width};
+use crate::assertion::Value as TypedValue;
 use crate::cpu::Cpu;
 use crate::files;
 use crate::monitor::recording;
 use crate::names;
-use crate::signal::{Signal, Source};
+use crate::signal::{Signal, Source, Value};
 use crate::trace::triggered::Wanted;
 use format::Format;
 use sheet::{Edge, RowText, TraceText};
@@ -64,13 +65,21 @@ struct Row {
     modify: Option<Modify>,
 }
 
-/// A value that is written.
-#[derive(Clone, Copy, Debug)]
+/// When a value is written.
+#[derive(Clone, Debug)]
 struct Modify {
-    bits: u64,
+    value: Written,
     trigger: Trigger,
     every_cycle: bool,
     cycle: u64,
+}
+
+/// A value that is written.
+#[derive(Clone, Debug)]
+enum Written {
+    Bits(u64),
+    /// A text or a DTL.
+    Long(Value),
 }
 
 /// A watch table.
@@ -115,10 +124,13 @@ impl Table {
     /// Writes the values that are due at a trigger of a cycle. Of rows that overlap the last one counts.
     pub fn modify(&self, cpu: &Cpu, cycle: u64, trigger: Trigger) {
         for row in &self.rows {
-            let Some(modify) = row.modify.filter(|modify| modify.trigger == trigger) else { continue };
+            let Some(modify) = row.modify.as_ref().filter(|modify| modify.trigger == trigger) else { continue };
             if cycle == modify.cycle || modify.every_cycle && cycle > modify.cycle {
                 // Checked when the table was read; a DB may be gone.
-                let _ = cpu.modify(&row.address, modify.bits);
+                let _ = match &modify.value {
+                    Written::Bits(bits) => cpu.modify(&row.address, *bits),
+                    Written::Long(value) => row.source.write(cpu, value),
+                };
             }
         }
     }
@@ -142,7 +154,7 @@ impl Table {
     pub fn text(&self, cpu: &Cpu) -> String {
         let rows = self.shown(cpu);
         let last = cpu.cycle_number();
-        let mark = |row: &Row| match row.modify {
+        let mark = |row: &Row| match &row.modify {
             None => String::new(),
             Some(modify) if last > 0 && modify.cycle > last => format!("cycle {} has not come", modify.cycle),
             Some(_) => "modified".to_string(),
@@ -286,13 +298,40 @@ impl Located {
     }
 
     fn bits(&self, text: &str, image: &ProgramImage) -> Result<u64, String> {
+        match self.written(text, image)? {
+            Written::Bits(bits) => Ok(bits),
+            Written::Long(_) => Err(format!("a value of type {} has more than 64 bits", self.source.ty())),
+        }
+    }
+
+    fn written(&self, text: &str, image: &ProgramImage) -> Result<Written, String> {
         self.address.check_settable()?;
         if let Some(format) = self.format {
             let bits = format.parse_at(text, &self.address)?;
-            return self.address.check_value(bits).map(|()| bits);
+            return self.address.check_value(bits).map(|()| Written::Bits(bits));
         }
-        let bits = self.source.bits(&self.source.parse(text, image)?);
-        bits.ok_or_else(|| format!("a row cannot modify a value of type {}", self.source.ty()))
+        let value = self.source.parse(text, image)?;
+        match self.source.bits(&value) {
+            Some(bits) => Ok(Written::Bits(bits)),
+            None if matches!(self.address.place, Place::Input(_)) => {
+                Err(format!("a row cannot modify inputs as a value of type {}", self.source.ty()))
+            }
+            None => Ok(Written::Long(value)),
+        }
+    }
+}
+
+impl Written {
+    /// Bytes of a text or DTL in memory.
+    fn long_bytes(&self, cpu: &Cpu) -> Option<usize> {
+        match self {
+            Written::Long(Value::Typed(AssertType::WideText, TypedValue::Text(text))) => Some(4 + 2 * text.len()),
+            Written::Long(Value::Typed(_, TypedValue::Text(text))) => {
+                Some(text.len() + if cpu.s7200.is_some() { 1 } else { 2 })
+            }
+            Written::Long(Value::Typed(_, TypedValue::Bytes(bytes))) => Some(bytes.len()),
+            Written::Long(_) | Written::Bits(_) => None,
+        }
     }
 }
 
@@ -311,14 +350,18 @@ impl Row {
         let name = row.address.into_inner();
         let place = Located::find(&name, row.format, image)?;
         cpu.check_address(&place.address)?;
-        let bits = row.modify.as_ref().map(|text| place.bits(text, image)).transpose();
-        let bits = bits.map_err(|message| format!("{name}: {message}"))?;
-        if bits.is_some() {
+        let written = row.modify.as_ref().map(|text| place.written(text, image)).transpose();
+        let written = written.map_err(|message| format!("{name}: {message}"))?;
+        if let Some(bytes) = written.as_ref().and_then(|written| written.long_bytes(cpu)) {
+            let last = place.address.place.offset(bytes.saturating_sub(1) as u32);
+            cpu.check_address(&Address { place: last, width: Width::Byte })?;
+        }
+        if written.is_some() {
             // What is not modified comes from the module again.
             cpu.name_input(&place.address);
         }
         let modify =
-            bits.map(|bits| Modify { bits, trigger: row.trigger, every_cycle: row.every_cycle, cycle: row.cycle });
+            written.map(|value| Modify { value, trigger: row.trigger, every_cycle: row.every_cycle, cycle: row.cycle });
         let Located { source, address, format } = place;
         Ok(Row { name, source, address, format, comment: row.comment, modify })
     }
