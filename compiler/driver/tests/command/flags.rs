@@ -31,6 +31,22 @@ fn both(folder: &Path, flags: &[&str], code: i32) -> String {
 }
 
 #[test]
+fn a_retentive_file_without_its_folder_is_told_once() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    build(folder, "      L     MW 0\n      T     MW 2\n");
+    let errors = both(folder, &["--clock", "virtual", "--cycles", "1", "--retain", "none/kept"], 0);
+    let told: Vec<&str> = errors.lines().filter(|line| line.starts_with("runtime:")).collect();
+    assert_eq!(
+        told,
+        [
+            "runtime: none/kept can neither be read nor written: No such file or directory; all data begins with its start \
+          values, and nothing is kept until it can be written"
+        ]
+    );
+}
+
+#[test]
 fn one_cycle_is_not_cycles() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

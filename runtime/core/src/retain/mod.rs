@@ -144,9 +144,15 @@ impl Cpu {
                 return Restored::Lost;
             }
         };
-        if is_lost && !self.is_restarted {
-            self.note_lost(&format!("{} cannot be read: all data begins with its start values", path.display()));
+        let told = error.as_ref().filter(|_| is_lost && !self.is_restarted);
+        if let Some(error) = told {
+            let path = path.display();
+            let what = format!("{path} can neither be read nor written: {error}");
+            self.note_lost(&format!(
+                "{what}; all data begins with its start values, and nothing is kept until it can be written"
+            ));
         }
+        let is_told = told.is_some();
         let config = &self.image.config.retain;
         let is_s7400 = self.image.profile.family == Family::S7400;
         let hot = is_s7400 && self.startup.get() == HOT;
@@ -172,7 +178,12 @@ impl Cpu {
             last: Cell::new(None),
             failed: Cell::new(false),
         };
-        retention.note(self, made.is_err().then_some(made));
+        if is_told && made.is_err() {
+            retention.failed.set(true);
+            self.log(diagnostics::RETAIN_NOT_WRITTEN, NO_SITE, 0);
+        } else {
+            retention.note(self, made.is_err().then_some(made));
+        }
         // Once for each CPU: it is switched on once.
         let _ = self.retention.set(retention);
         restored
