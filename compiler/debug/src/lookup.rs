@@ -176,14 +176,7 @@ impl<'a> Here<'a> {
                 .parameters
                 .iter()
                 .map(|parameter| {
-                    let ty = match parameter.width {
-                        plcc_model::s7200::Width::Bit => Elementary::Bool,
-                        plcc_model::s7200::Width::Byte => Elementary::Byte,
-                        plcc_model::s7200::Width::Word => Elementary::Word,
-                        plcc_model::s7200::Width::Dword => Elementary::Dword,
-                        plcc_model::s7200::Width::Lword => Elementary::Lword,
-                    };
-                    let ty = DataType::Elementary(ty);
+                    let ty = DataType::Elementary(parameter.ty);
                     let data = Data { offset: frame.local + parameter.byte, bit: parameter.bit, ty };
                     (parameter.name.clone(), Found::Data(data))
                 })

@@ -4,6 +4,8 @@ use plcc_diag::Span;
 pub use plcc_syntax::ast::Width;
 pub use plcc_syntax::s7200::{Compare, CompareKind, Contact, Insn, Relation};
 
+use crate::types::Elementary;
+
 /// Code of a block.
 #[derive(Clone, Debug, Default)]
 pub struct S7200Body {
@@ -19,6 +21,8 @@ pub struct Parameter {
     pub direction: Direction,
     /// A string is a pointer, a double word.
     pub width: Width,
+    /// As it is declared; of a CHAR and of a pointer the bits.
+    pub ty: Elementary,
     pub byte: u32,
     pub bit: u8,
 }

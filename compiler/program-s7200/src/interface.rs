@@ -14,6 +14,7 @@ use super::names::fold;
 use plcc_binding::report::known_type;
 use plcc_binding::similar;
 use plcc_model::s7200::{Direction, Parameter};
+use plcc_model::types::Elementary;
 
 /// Limit of parameters of a subroutine.
 const PARAMETERS_MAX: usize = 16;
@@ -52,6 +53,18 @@ impl Type {
             Type::Byte => Width::Byte,
             Type::Word | Type::Int => Width::Word,
             Type::Dword | Type::Dint | Type::Real | Type::String => Width::Dword,
+        }
+    }
+
+    fn elementary(self) -> Elementary {
+        match self {
+            Type::Bool => Elementary::Bool,
+            Type::Byte => Elementary::Byte,
+            Type::Word => Elementary::Word,
+            Type::Int => Elementary::Int,
+            Type::Dword | Type::String => Elementary::Dword,
+            Type::Dint => Elementary::Dint,
+            Type::Real => Elementary::Real,
         }
     }
 }
@@ -104,6 +117,7 @@ impl Locals {
                 (Section::Output, _) => Direction::Out,
             },
             width: local.ty.width(),
+            ty: local.ty.elementary(),
             byte: local.place.number,
             bit: local.place.bit,
         };
