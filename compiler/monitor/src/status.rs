@@ -120,9 +120,10 @@ impl Status {
             Some(status_word >> STA_BIT & 1 == 1)
         };
         let of_stack = || {
-            let operand = self.seen_at(from, &[Tells::Stack])?.get(1)?.get(0)?;
-            // A timer or the symbol of a word may have the value 1, too.
-            let is_bit = operand.get(0)?.as_str()?.contains('.');
+            let (operand, others) = self.seen_at(from, &[Tells::Stack])?.get(1)?.as_array()?.split_first()?;
+            let name = operand.get(0)?.as_str()?;
+            // The symbol or the current value of a word may be 1, too. The box of a timer or counter has its value after the bit.
+            let is_bit = name.contains('.') && !name.ends_with(".VALUE") || is_cell(name) && others.is_empty();
             match operand.get(1)?.as_str()? {
                 "0" if is_bit => Some(false),
                 "1" if is_bit => Some(true),
@@ -143,6 +144,11 @@ impl Status {
     }
 }
 
+/// Whether a name is that of a timer or counter: `T37`.
+fn is_cell(name: &str) -> bool {
+    name.strip_prefix(['T', 'C']).is_some_and(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
 /// A value as PLC languages write it.
 pub fn text(value: &Value) -> String {
     match value {
@@ -150,5 +156,30 @@ pub fn text(value: &Value) -> String {
         Value::Bool(false) => "FALSE".to_string(),
         Value::String(text) => text.clone(),
         Value::Null | Value::Number(_) | Value::Array(_) | Value::Object(_) => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// The bit that a statement of an S7-200 has, if these are its operands.
+    fn bit(operands: Value) -> Option<bool> {
+        let mut status = Status::new(vec![Place(7, 12, Tells::Stack)]);
+        status.take(StatusNews { seen: vec![(0, json!([1, operands]))], ..StatusNews::default() });
+        status.operand_at(7).and_then(Value::as_bool)
+    }
+
+    #[test]
+    fn contacts_of_timers_have_a_bit() {
+        assert_eq!(bit(json!([["I0.0", "1"]])), Some(true));
+        assert_eq!(bit(json!([["T37", "1"]])), Some(true));
+        assert_eq!(bit(json!([["C5", "0"]])), Some(false));
+        assert_eq!(bit(json!([["T37.VALUE", "1"]])), None);
+        assert_eq!(bit(json!([["VW0", "1"]])), None);
+        assert_eq!(bit(json!([["T37", "0"], ["T37.VALUE", "0"]])), None);
+        assert_eq!(bit(json!([])), None);
     }
 }
