@@ -37,7 +37,7 @@ pub(super) fn report(args: &ConvertArgs, family: &str) -> u8 {
     let reference = plcc_xref::reference(&bound.program, &bound.sources);
     let text = migration::report(migration, &bound.program, &reference, &bound.sources).text();
     let written = match &args.output {
-        Some(path) => super::write(path, &text),
+        Some(path) => super::output::write(path, &text),
         None => report::print(&text),
     };
     written.err().unwrap_or(exit::OK)
