@@ -10,6 +10,7 @@ mod aliases;
 pub mod ast;
 mod blocks;
 mod classify;
+mod compare;
 mod constant;
 mod instructions;
 pub mod libraries;
@@ -43,7 +44,8 @@ use crate::stl::Mnemonics;
 
 pub use address::with_zeros;
 pub use aliases::{ALIASES, BOXES};
-pub use instructions::{Acts, Compare, CompareKind, Contact, Insn, OperandClass, Relation};
+pub use compare::{Compare, CompareKind, Contact, Relation};
+pub use instructions::{Acts, Insn, OperandClass};
 pub use messages::form;
 pub use outline::is_s7200;
 
