@@ -17,6 +17,7 @@ mod network;
 mod scl;
 mod size;
 mod stl;
+mod types;
 mod write;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
@@ -139,7 +140,7 @@ fn add_components(units: &mut [(FileId, SourceUnit)], evidence: &Evidence, guess
         {
             let shape = shape.declared(guess);
             if !shape.members.is_empty() {
-                variables.extend(write::members(&shape, span));
+                variables.extend(types::members(&shape, span));
             }
         }
     }

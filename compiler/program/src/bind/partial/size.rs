@@ -1,7 +1,7 @@
 //! How large stand-ins are: an array whose indices are found at run time has as many elements as a data block has room for.
 
 use super::evidence::{Elements, Shape};
-use super::write::{elementary_of, has_components, text_of};
+use super::types::{elementary_of, has_components, text_of};
 use plcc_model::layout;
 use plcc_model::types::DataType;
 
