@@ -19,6 +19,7 @@ mod outline;
 pub mod raw;
 mod region;
 mod repair;
+mod slips;
 pub mod text;
 mod token;
 mod types_meant;
