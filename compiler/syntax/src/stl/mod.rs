@@ -15,6 +15,7 @@ pub mod fragment;
 pub mod instructions;
 mod messages;
 mod mnemonics;
+mod operand_form;
 mod operand_help;
 pub mod pragma;
 mod raw;
