@@ -8,7 +8,7 @@
 //! ```text
 //! file ──► block ──► header ──► section (VAR … END_VAR, STRUCT … END_STRUCT)   block.rs, header.rs, headless.rs, declaration.rs
 //!            │          └────► code (statements, calls)                         code.rs, call.rs, operand.rs, address.rs, foreign.rs, parentheses.rs
-//!            │          └────► values of a data block                           declaration.rs
+//!            │          └────► values of a data block                           values.rs
 //!            └── statements without a header: OB 1
 //! ```
 
@@ -22,6 +22,7 @@ mod header;
 mod headless;
 mod operand;
 mod parentheses;
+mod values;
 
 use plcc_diag::{Code, Diagnostic, FileId, Span};
 
