@@ -6,7 +6,8 @@
 //!   of which `single_value` judges those of arrays and `s5time` those of timers.
 //! - [`interface`] lays out the interface of a block, [`start_inputs`] the inputs of organization blocks, [`block_constants`] its constants;
 //!   [`data`] makes the data blocks, [`shipped`] has the interfaces of blocks of the library.
-//! - [`path`] turns names into places, [`element`] their indices; [`pointer`] has the bytes of pointers.
+//! - [`path`] turns names into places, [`element`] their indices; [`unknown_member`] reports components that do not exist; [`pointer`] has the
+//!   bytes of pointers.
 //! - [`block`] is the block whose statements are bound; [`calls`] is what calls of all languages check.
 
 pub mod block;
@@ -28,6 +29,7 @@ pub mod start_inputs;
 pub mod symbols;
 pub mod typed;
 pub mod types;
+pub mod unknown_member;
 
 use std::rc::Rc;
 

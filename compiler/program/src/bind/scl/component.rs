@@ -16,6 +16,7 @@ use plcc_syntax::scl::{db_address, db_area_word};
 
 use super::place::{Db, Spot, Thing};
 use crate::bind::declarations::path::{self, Variable};
+use crate::bind::declarations::unknown_member::no_component;
 use crate::bind::globals::names::code_kind;
 use crate::bind::scl::{SclBinder, SclBlock};
 
@@ -138,7 +139,7 @@ impl SclBinder<'_, '_> {
     fn component(&mut self, mut spot: Spot, name: &Name, span: Span) -> Option<Spot> {
         let DataType::Struct(structure) = &spot.ty else {
             let before = self.before_point(name, span);
-            self.program.report(path::no_component(&name.text, &spot.ty, &before, name.span));
+            self.program.report(no_component(&name.text, &spot.ty, &before, name.span));
             return None;
         };
         let structure = Rc::clone(structure);
