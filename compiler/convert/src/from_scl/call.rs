@@ -98,7 +98,7 @@ impl Maker<'_> {
         };
         let types = instruction.map(TextInstruction::types).unwrap_or_default();
         let made = ast::Call { target, types, instance, parameters };
-        // A block that is made of networks leaves the BR as it is if it has succeeded.
+        // A block that is made from networks does not change the BR if nothing failed.
         let reads_eno = eno.is_some() || (self.last_eno.is_some() && !call.is_operation);
         if reads_eno && !callee.library && matches!(callee.body, Body::Scl(_)) && !self.is_classic_cpu() {
             self.push(StlInsn::SetRlo, None);

@@ -288,9 +288,9 @@ impl<'a> Maker<'a> {
         self.refused = false;
     }
 
-    /// Errors of operations change OK or ENO of the block.
+    /// Refuses a block whose OK or ENO follows the errors of its operations.
     fn refuse_flag(&mut self) {
-        let help = "without them: leave out the attribute that sets OK or ENO, and do not read it";
+        let help = "leave out the attribute that sets OK or ENO, and do not read OK or ENO";
         self.refuse(self.tree.name.span(), "OK and ENO that follow the errors of operations", help);
     }
 

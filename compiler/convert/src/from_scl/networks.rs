@@ -51,7 +51,7 @@ impl Maker<'_> {
             }
         }
         let typed = self.body;
-        // Only a block whose errors set its ENO does not end with a value for it.
+        // A block ends with a value for its ENO, unless its errors set that.
         let is_scl = body.networks.iter().all(|network| matches!(network.content, Content::Scl(_)));
         let last = typed.statements.last().map(|last| &last.kind);
         if is_scl && last.is_some_and(|last| !matches!(last, StatementKind::SetFlag(_))) {

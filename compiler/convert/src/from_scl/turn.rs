@@ -1,5 +1,5 @@
-//! Arrays and structures at inputs of function blocks: SCL copies them before it evaluates the arguments after them, `CALL` of STL at once
-//! with all others. Source: SCL reference, order of evaluation.
+//! Arrays and structures at inputs of function blocks: SCL copies each before it evaluates the arguments after it, `CALL` of STL copies all
+//! arguments at once. Source: SCL reference, order of evaluation.
 
 use plcc_abi::image::BlockKind;
 use plcc_model::scl::walk::{self, Visitor};

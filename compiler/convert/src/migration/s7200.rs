@@ -52,7 +52,7 @@ pub(super) fn collect(program: &Program, reference: &Reference, rows: &mut Rows)
     }
 }
 
-/// Whether a statement has the address of an operand, `&VB100`, which is a number where it is bound.
+/// Whether a statement takes the address of an operand, `&VB100`. In a bound program that is a number.
 fn takes_address(statement: &str) -> bool {
     statement.split(['\'', '"']).step_by(2).any(|outside_of_quotes| outside_of_quotes.contains('&'))
 }

@@ -47,7 +47,7 @@ const ROUNDS_MAX: usize = 8;
 /// What is written of a program besides its sources.
 pub struct Settings<'s> {
     pub name: &'s str,
-    /// Period of a cyclic OB, which has a name of its own or not.
+    /// The period of a cyclic OB, by its number and whether it has a name of its own.
     pub period_ms: &'s dyn Fn(u16, bool) -> u32,
 }
 

@@ -54,7 +54,7 @@ fn class(program: &Program, block: &CodeBlock) -> (Option<u32>, Option<ObClass>)
     (number, said.unwrap_or_else(by_number))
 }
 
-/// The task of an OB. `period_ms`: of a cyclic OB by its number, and whether it has a name of its own.
+/// The task of an OB. `period_ms`: the period of a cyclic OB, by its number and whether it has a name of its own.
 pub fn of_block(
     program: &Program,
     block: &CodeBlock,

@@ -15,18 +15,18 @@ pub struct Branches(HashMap<(u32, u8), Kept>);
 
 struct Kept {
     signal: Signal,
-    /// How many elements there were.
+    /// The number of elements when the bit was written.
     elements: usize,
     is_used: bool,
 }
 
 impl Branches {
-    /// A branch begins that does not go on.
+    /// Whether a branch begins but does not go on.
     pub fn has_unused(&self) -> bool {
         self.0.values().any(|kept| !kept.is_used)
     }
 
-    /// What an operand keeps, for an input of a box.
+    /// The signal that an operand keeps, for an input of a box.
     pub fn side(&mut self, operand: &Operand) -> Option<Signal> {
         let kept = self.0.get_mut(&bit(operand)?)?;
         kept.is_used = true;
@@ -60,7 +60,7 @@ impl Reader<'_> {
                 let elements = self.drawing.graph.elements.len();
                 let kept = Kept { signal, elements, is_used: false };
                 match self.branches.get_or_insert_default().0.insert(place, kept) {
-                    Some(before) if !before.is_used => Err("a branch that does not go on".to_string()),
+                    Some(before) if !before.is_used => Err("a branch that is not continued".to_string()),
                     Some(_) | None => Ok(()),
                 }
             }

@@ -82,7 +82,7 @@ pub fn graph(
         return Err(vec![refusal(end, "a value in the accumulator that nothing uses", language)]);
     }
     if reader.branches.as_ref().is_some_and(Branches::has_unused) {
-        return Err(vec![refusal(end, "a branch that does not go on", language)]);
+        return Err(vec![refusal(end, "a branch that is not continued", language)]);
     }
     Ok(Drawn { labels: reader.labels, graph: reader.drawing.graph, notes: reader.notes })
 }

@@ -7,7 +7,7 @@ use plcc_syntax::network::elements::{Kind, find_sd};
 use super::types::Types;
 use crate::xml::system;
 
-/// What STL has no form for, and what to do.
+/// What cannot be written in STL, and what to do.
 type Refusal = (&'static str, &'static str);
 
 const ELEMENT: Refusal = ("an array of instances", "declare the instances one by one");

@@ -323,7 +323,7 @@ impl Reader<'_> {
                 continue;
             }
             let mut made = match operand_pin(&parameter.name, actual, None, is_output) {
-                // A picture has the words of the statement: `P#M 0.0 BYTE 4`.
+                // A picture shows the operand as the statement has it: `P#M 0.0 BYTE 4`.
                 Err(_) if self.is_picture => {
                     let span = Span { end: actual.span.start, ..actual.span };
                     let value = Expr { kind: ExprKind::Error, span };
