@@ -1,7 +1,7 @@
 //! Conditions of breakpoints: the expressions of a plant, over names of PLC values, with the operators of PLC languages as well.
 //!
 //! `MW10 > 5`, `"Motor on" AND #count = 3`, `abs(Level - 2.5) < 0.1`, `DB1.Time >= T#5s`. A BOOL is 0 or 1, a duration is in seconds.
-//! AND, OR and NOT take bits and comparisons: what they would do with the bits of a number is not guessed.
+//! AND, OR and NOT combine bits and comparisons. With a number they are an error, since they could be meant for its bits.
 
 use plcc_abi::image::AssertType;
 use plcc_runtime::assertion;
@@ -15,7 +15,7 @@ pub struct Condition {
     parts: Vec<Part>,
     /// Names of values, by their numbers in the expressions.
     names: Vec<String>,
-    /// Numbers of names that AND, OR or NOT combine as they are.
+    /// Numbers of the names that are operands of AND, OR or NOT themselves, and so must be bits.
     combined: Vec<usize>,
     pub text: String,
 }
@@ -57,7 +57,7 @@ impl Condition {
                 }
                 Token::Text(text) => {
                     if text.parse::<f64>().is_ok_and(|number| !is_bit(number)) && is_combined(&tokens, at) {
-                        return Err(format!("{COMBINES}, and mask no bits; name one, such as `#word.%X2`"));
+                        return Err(format!("{COMBINES}; they do not mask words: name one bit, such as `#word.%X2`"));
                     }
                     match text.as_str() {
                         "(" => depth += 1,
@@ -96,7 +96,7 @@ impl Condition {
                 if self.combined.contains(&number) && !is_bit(values[number]) {
                     let (name, value) = (&self.names[number], number_text(values[number]));
                     return Err(format!(
-                        "{COMBINES}, and `{name}` is {value}; write `{name} <> 0`, or name a bit of it"
+                        "{COMBINES}, but `{name}` is {value}; write `{name} <> 0`, or name a bit of it"
                     ));
                 }
             }
@@ -379,9 +379,9 @@ mod tests {
             ("MW10 as X > 1", "not a condition"),
             ("MW10 = 9007199254740993", "more digits than"),
             ("MW10 = 16#FFFFFFFFFFFFFFFF", "more digits than"),
-            ("MW10 AND 16#4", "mask no bits"),
-            ("(MW10 AND 16#4) <> 0", "mask no bits"),
-            ("MW10 AND MW10 = 7", "bits and comparisons here, and `MW10` is 7"),
+            ("MW10 AND 16#4", "do not mask words"),
+            ("(MW10 AND 16#4) <> 0", "do not mask words"),
+            ("MW10 AND MW10 = 7", "bits and comparisons here, but `MW10` is 7"),
             ("NOT MW10", "write `MW10 <> 0`"),
             ("MW10 > 5 & MW10", "`MW10` is 7"),
             ("\"Motor on\" XOR MW10 = 7", "write `a <> b`"),

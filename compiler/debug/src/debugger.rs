@@ -235,7 +235,7 @@ impl Debugger {
         match here.find(text) {
             Ok(found) => Ok(variables::text(here, &found)),
             Err(error) => {
-                // What compares or combines is not a name with a slip.
+                // A text that compares or combines values is not a misspelt name.
                 let words = || text.split_whitespace().map(str::to_ascii_uppercase);
                 let compares = text.contains(['=', '<', '>', '&'])
                     || words().any(|word| matches!(&*word, "AND" | "OR" | "XOR" | "NOT"));

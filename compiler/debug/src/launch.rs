@@ -28,7 +28,7 @@ impl Launch {
         let cycle_time: Option<String> = given(arguments, "cycleTime", "a time such as \"10ms\"")?;
         let cycle_time = cycle_time.as_deref().map(parse_duration).transpose();
         let options = RunOptions {
-            cycles: given(arguments, "cycles", "a whole number, from 0 on")?,
+            cycles: given(arguments, "cycles", "a whole number of 0 or more")?,
             clock: ClockKind::Virtual,
             cycle_time: cycle_time.map_err(|error| format!("`cycleTime` in the launch configuration: {error}"))?,
             set: given(arguments, "set", "a list of texts such as [\"I0.0=1\"]")?.unwrap_or_default(),
@@ -47,13 +47,13 @@ impl Launch {
     }
 }
 
-/// The value of a key; `None`: it is not given. `Err`: it is something else than what is expected.
+/// The value of a key; `None`: it is not given. `Err`: it is not what is expected.
 fn given<T: DeserializeOwned>(arguments: &Value, key: &str, expected: &str) -> Result<Option<T>, String> {
     match arguments.get(key) {
         None | Some(Value::Null) => Ok(None),
         Some(value) => serde_json::from_value(value.clone())
             .map(Some)
-            .map_err(|_| format!("`{key}` in the launch configuration is {expected}, not {value}")),
+            .map_err(|_| format!("`{key}` in the launch configuration must be {expected}, not {value}")),
     }
 }
 
@@ -66,13 +66,16 @@ mod tests {
     #[test]
     fn what_is_wrong_names_its_key() {
         for (arguments, message) in [
-            (json!({"cycles": -1}), "`cycles` in the launch configuration is a whole number, from 0 on, not -1"),
+            (json!({"cycles": -1}), "`cycles` in the launch configuration must be a whole number of 0 or more, not -1"),
             (
                 json!({"set": "I0.0=1"}),
-                "`set` in the launch configuration is a list of texts such as [\"I0.0=1\"], not \"I0.0=1\"",
+                "`set` in the launch configuration must be a list of texts such as [\"I0.0=1\"], not \"I0.0=1\"",
             ),
-            (json!({"stopOnEntry": 1}), "`stopOnEntry` in the launch configuration is true or false, not 1"),
-            (json!({"cycleTime": 10}), "`cycleTime` in the launch configuration is a time such as \"10ms\", not 10"),
+            (json!({"stopOnEntry": 1}), "`stopOnEntry` in the launch configuration must be true or false, not 1"),
+            (
+                json!({"cycleTime": 10}),
+                "`cycleTime` in the launch configuration must be a time such as \"10ms\", not 10",
+            ),
         ] {
             assert_eq!(Launch::read(&arguments).map(|_| ()), Err(message.to_string()), "{arguments}");
         }
