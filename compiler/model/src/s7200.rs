@@ -42,7 +42,7 @@ pub struct Statement {
     /// 1-based; 0 before the first network.
     pub network: u16,
     pub kind: StatementKind,
-    /// What it takes the addresses of, which are constants in `kind`: `&VB100`, a text in V memory for a STRING parameter.
+    /// The operands whose addresses it takes, as constants in `kind`: `&VB100`, a text in V memory for a STRING parameter.
     pub addresses: Vec<Operand>,
 }
 

@@ -1,4 +1,4 @@
-//! Arguments that do not fit the types of their parameters, which their subroutine declares.
+//! Arguments that do not fit the types of their parameters, as the subroutine declares them.
 
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::ast::Width;
@@ -30,11 +30,11 @@ impl Binder<'_> {
                     }
                     false => ("the subroutine writes to this operand", "pass the operand without `&`".to_string()),
                 };
-                let title = format!("an address is passed, and {parameter} (0090)");
+                let title = format!("an address is passed, but {parameter} (0090)");
                 Some(Diagnostic::new(Code::OperandKind, span, title).label(label).help(help))
             }
             OperandKind::Constant(_) if !input => {
-                let title = format!("a constant is passed, and the subroutine writes to parameter `{name}` (0090)");
+                let title = format!("a constant is passed, but the subroutine writes to parameter `{name}` (0090)");
                 let message = Diagnostic::new(Code::Protected, span, title).label("its result goes here");
                 Some(message.help(format!("name {}", wanted(class))))
             }
@@ -45,13 +45,13 @@ impl Binder<'_> {
                     true => format!("write `{value:.0}`, or declare `{name}` as REAL"),
                     false => format!("declare `{name}` as REAL, or pass a whole number"),
                 };
-                let title = format!("`{}` is a REAL, and {parameter} (0090)", self.written(span));
+                let title = format!("`{}` is a REAL, but {parameter} (0090)", self.written(span));
                 Some(Diagnostic::new(Code::OperandKind, span, title).label("this constant").help(help))
             }
             _ => {
                 let Form::Place(direct) = self.form_of(locals, actual) else { return None };
                 let needed = width(class)?;
-                // What is always a number has one width.
+                // Analog values, current values of timers and counters, and HC have one width.
                 let (own, number) = match direct.area {
                     Area::Ai | Area::Aq => (Width::Word, Some("INT")),
                     Area::T | Area::C if needed != Width::Bit => (Width::Word, Some("INT")),
@@ -67,7 +67,7 @@ impl Binder<'_> {
                         format!("write {}, or declare `{name}` as {}", self.of_width(direct, needed, span), types(own))
                     }
                 };
-                let title = format!("{} is {}, and {parameter} (0090)", self.shown(direct, span), width_name(own));
+                let title = format!("{} is {}, but {parameter} (0090)", self.shown(direct, span), width_name(own));
                 let label = format!("expected: {}", wanted(class));
                 Some(Diagnostic::new(Code::OperandKind, span, title).label(label).help(help))
             }

@@ -223,14 +223,14 @@ impl Binder<'_> {
         }
     }
 
-    /// A block of another kind than `CALL` or `ATCH` needs.
+    /// Reports a block that is not of the kind that `CALL` or `ATCH` needs.
     fn other_block(&mut self, own: BlockKind, needed: BlockKind, span: Span) -> Option<usize> {
         let written = self.written(span);
         let (call, attach) = (self.mnemonic(Insn::Call), self.mnemonic(Insn::Atch));
         let help = match own {
-            BlockKind::Sbr => format!("attach an interrupt routine that has `{call} {written}`"),
+            BlockKind::Sbr => format!("attach an interrupt routine that contains `{call} {written}`"),
             BlockKind::Int => format!("write `{attach} {written}, 10`, with the number of the event that starts it"),
-            _ => "the CPU calls it in each scan: move what is meant into a subroutine".to_string(),
+            _ => "the CPU calls it in each scan: put what is to be called into a subroutine".to_string(),
         };
         let is = if own == BlockKind::Ob { "the main program".to_string() } else { with_article(own) };
         let title = format!("`{written}` is {is}, not {} (0087)", with_article(needed));
@@ -296,7 +296,7 @@ fn class_of(formal: &Local) -> OperandClass {
     }
 }
 
-/// What a block that can be called or attached is.
+/// The kind of a block that can be called or attached.
 pub(super) fn what(kind: BlockKind) -> &'static str {
     if kind == BlockKind::Int { "interrupt routine" } else { "subroutine" }
 }

@@ -109,7 +109,7 @@ struct Binder<'a> {
     /// Rows of the symbol tables, by folded name.
     globals: FxHashMap<String, names::Global>,
     uses: whole::Uses,
-    /// What the statement that is bound takes the addresses of.
+    /// The operands whose addresses the current statement takes.
     addresses: Vec<plcc_model::s7200::Operand>,
 }
 

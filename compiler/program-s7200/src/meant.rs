@@ -175,7 +175,7 @@ fn fits(insn: Insn, forms: &[Form]) -> bool {
         })
 }
 
-/// The conversions that do with these operands what `insn`, a move or one conversion, is meant to do.
+/// The conversions to write with these operands in place of `insn`, a move or a single conversion.
 fn conversion(insn: Insn, forms: &[Form]) -> &'static [Insn] {
     let [Form::Place(source), Form::Place(target)] = forms else { return &[] };
     let width = match source.area {

@@ -154,7 +154,7 @@ fn end_of(operand: &ast::Operand) -> Option<u32> {
     }
 }
 
-/// By what an operand may be missing: the key of its name, or of the block that it means.
+/// The key by which an operand can be missing: of its name, or of the block that it means.
 fn key_of(operand: &ast::Operand, named: &Named) -> Option<(String, Option<(BlockKind, u32)>)> {
     let (kind, number) = match &operand.kind {
         OperandKind::Symbol { name, form } if *form != SymbolForm::Local => match named.get(&fold(name)) {
