@@ -361,7 +361,7 @@ impl Report {
         });
     }
 
-    /// A block that nothing defines, with the number of a library block but another symbol.
+    /// A block that nothing defines. Its number is that of a library block, but its symbol is not.
     pub fn renamed_block(&mut self, prefix: BlockPrefix, number: u16, library: &str, span: Span) {
         if number <= LOW_NUMBERS {
             return self.missing_block(prefix, number, span);

@@ -394,7 +394,7 @@ impl Declarations<'_> {
         Some(())
     }
 
-    /// Reports a second value for what has got one.
+    /// Reports a second start value for one component.
     pub fn given_twice(&mut self, name: &str, second: Span, first: Span, severity: Severity) {
         let mut message = Diagnostic::new(Code::InitialValue, second, format!("`{name}` gets a start value twice"))
             .label("the second value")

@@ -386,8 +386,8 @@ impl<'a> Globals<'a> {
         }
     }
 
-    /// What starts an OB that does not state it: in sources of the TIA Portal its inputs tell, otherwise it is a program cycle OB. None in other
-    /// sources, where the number is unknown, and if it states a class that does not exist; that is reported.
+    /// What starts an OB that does not state its class. In sources of the TIA Portal its inputs show it; if they do not, it is a program cycle
+    /// OB. `None`: it is in another source, where its number is unknown, or it states a class that does not exist; both are reported.
     fn unsaid_class(
         &mut self,
         block: &ast::Block,

@@ -141,7 +141,7 @@ impl Globals<'_> {
             let bits = u64::from(EVENT_ID) + index as u64 + 1;
             return Some(Constant::Typed { ty: Elementary::Dword, bits });
         }
-        // A block or tag with the name of a module is meant itself.
+        // If a block or tag has the name of a module, the name means the block or tag.
         let config = &self.input.config;
         if let Some(module) = config.modules.iter().flatten().find(|module| fold(&module.name) == name)
             && !self.names.symbols.contains_key(&name)

@@ -179,7 +179,7 @@ impl Globals<'_> {
         Some(format!("\"{}\".{component}", global.name))
     }
 
-    /// A name of the block or the program that resembles `name`; that of the block comes first. What is in quotes is rather one of the program.
+    /// A name of the block or the program that resembles `name`; that of the block comes first. A name in quotes is more likely one of the program.
     fn similar_name<'n>(&mut self, name: &str, span: Span, locals: impl Iterator<Item = &'n str>) -> Option<String> {
         if !self.report.may_search() {
             return None;

@@ -16,7 +16,7 @@ use crate::bind::trees::blocks::class_attribute;
 /// OBs of CPUs for technology and of S7-400H, which have no class here.
 const RARE: [u16; 2] = [65, 73];
 
-/// The message about an attribute whose value is no class.
+/// The message about an attribute whose value is not a class.
 pub fn unknown_class(text: &str, span: Span) -> Diagnostic {
     let names: Vec<&str> = OB_CLASSES.iter().map(|row| row.names[0]).collect();
     Diagnostic::new(Code::BlockFrame, span, format!("`{text}` is not a class of organization blocks")).help(

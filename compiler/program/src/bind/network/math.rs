@@ -401,7 +401,7 @@ impl NetworkBinder<'_, '_> {
             let source = source.or_else(|| binder.type_of_constants(ctx, element));
             let typing = typing(element);
             let mut arguments = Vec::new();
-            // Those of LIMIT; SCL looks at the limits that it gets as they are written.
+            // The limits of LIMIT after their conversion; those that are not converted are checked with the call in SCL.
             let (mut low, mut high) = (None, None);
             for pin in element.pins.iter().filter(|pin| !pin.output && pin.value != PinValue::Open && pin.name != "en")
             {

@@ -56,7 +56,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// Missing data blocks of which a symbol table says the function block or data type: `"Drive_1","DB 12","FB 12",""`.
+    /// Missing data blocks whose function block or data type a symbol table states: `"Drive_1","DB 12","FB 12",""`.
     pub fn rows_of_tables(&mut self) {
         let input = self.program.globals.input;
         for symbol in input.tables.iter().flat_map(|table| &table.symbols) {
@@ -72,7 +72,7 @@ impl Look<'_, '_> {
                 continue;
             };
             let is_there = match prefix {
-                // One that is missing has only the components of its variables.
+                // Of a missing data type only the components that its variables use are known.
                 BlockPrefix::Udt => self.is_block(prefix, number) && !self.found.things.contains_key(&of),
                 BlockPrefix::Fb | BlockPrefix::Sfb => self.is_block(prefix, number),
                 _ => false,

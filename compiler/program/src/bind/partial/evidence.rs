@@ -97,8 +97,8 @@ pub struct Shape {
     pub is_constant: bool,
     /// The constant is the lower bound of an array.
     pub is_lower: bool,
-    /// A whole variable of the program is an instance of it, it is called alone, or a symbol table says it: the block of which this data
-    /// block is an instance, or its data type.
+    /// The block of which this data block is an instance, or its data type: as a whole variable of the program, a call of the data block
+    /// alone or a symbol table shows.
     pub of: Option<Missing>,
 }
 

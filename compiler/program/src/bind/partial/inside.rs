@@ -68,7 +68,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// The missing name or block that the start of a place is if nothing defines it: a symbol table may say the number of a block.
+    /// The missing name or block at the start of a place, if nothing defines it. A symbol table may give the number of a block.
     pub fn meant(&self, start: &Start) -> Option<Missing> {
         match start {
             Start::Local(_) => None,

@@ -227,7 +227,7 @@ impl<'a> Look<'_, 'a> {
             let ty = self.declared_type(ctx.block.key, text);
             ty.is_some_and(|ty| matches!(&ty.kind, TypeKind::Named(name) if Elementary::from_word(name).is_some()))
         };
-        // The data of a step or transition have no value alone: `"Start"` is a symbol.
+        // The data of a step or transition as a whole are not a value: `"Start"` is a symbol.
         let is_step = ctx.scope.address_numbers
             && ctx.block.bound.locals.get(&fold(text)).is_some_and(|local| matches!(local.ty, DataType::Struct(_)));
         match name.form {

@@ -185,7 +185,7 @@ impl Look<'_, '_> {
         }
     }
 
-    /// Whether a missing data block stands where a structure with a name is expected: it is one of that type.
+    /// Whether a missing data block is used where a structure with a name is expected: then it is of that type.
     fn is_of_type(&self, start: &Start, hint: Option<&Hint>) -> bool {
         let is_missing = |(prefix, number): (BlockPrefix, u16)| {
             prefix == BlockPrefix::Db && !self.program.globals.sources.data.contains_key(&number)
@@ -473,7 +473,7 @@ impl Look<'_, '_> {
                     (_, "PV" | "BI" | "CV") => Some(typed(Elementary::Word)),
                     (_, "S" | "R" | "Q" | "CU" | "CD" | "G") => Some(typed(Elementary::Bool)),
                     (_, "K" | "N" | "COUNT" | "COUNT_IN" | "COUNT_OUT" | "DIM") => Some(INT),
-                    // The count is no type of what is shifted.
+                    // The type of the count says nothing about what is shifted.
                     ("SHL" | "SHR" | "ROL" | "ROR", _) => match hint {
                         Some(Hint::Type(_) | Hint::Width(_)) => hint.cloned(),
                         _ => Some(Hint::Width(Elementary::Word)),

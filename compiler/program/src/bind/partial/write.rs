@@ -57,7 +57,7 @@ enum Kind {
     Function,
     FunctionBlock,
     DataBlock,
-    /// An instance of a block, or of its own block; also one of a data type.
+    /// An instance of a block or a data type, or of a block that stands in for it alone.
     Instance,
     Cell(CellKind),
     Tag,
@@ -391,7 +391,7 @@ fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::Code
     }
 }
 
-/// What calls show about a parameter, with what uses of the same component of an instance show.
+/// What calls show about a parameter, together with what uses of that component of an instance show.
 fn joined(formal: &Shape, member: &Shape) -> Shape {
     let mut whole = formal.clone();
     let fits = |ty: &DataType| match (formal.width, ty) {

@@ -141,8 +141,8 @@ impl SclBinder<'_, '_> {
             && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
     }
 
-    /// True of `"Start"` alone in a chart of S7-GRAPH V5 with a step or transition of that name, whose data have no value alone: it means a
-    /// symbol that nothing defines.
+    /// True of `"Start"` alone in a chart of S7-GRAPH V5 with a step or transition of that name. Its data as a whole are not a value, so the
+    /// name means a symbol that nothing defines.
     pub(super) fn is_unknown_symbol(&self, ctx: &SclBlock, name: &Name) -> bool {
         let folded = fold(&name.text);
         name.form == NameForm::Quoted

@@ -157,7 +157,7 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    /// Warns of a long constant in hexadecimal for a REAL or LREAL, which looks like its bits and is a number.
+    /// Warns of a long hexadecimal constant for a REAL or LREAL: it looks like the bits of the value, but is a number.
     fn number_for_bits(&mut self, span: Span, value: i128, ty: Elementary) {
         if value <= i128::from(u16::MAX) {
             return;
@@ -165,7 +165,7 @@ impl SclBinder<'_, '_> {
         let written = self.program.globals.text(span);
         let bits = if ty == Elementary::Real { ("DWORD", "DW") } else { ("LWORD", "LW") };
         let help = match written.starts_with(|first: char| first.is_ascii_digit()) {
-            true => format!("for these bits write `{}_TO_{}({}#{written})`", bits.0, ty.name(), bits.1),
+            true => format!("for these bits, write `{}_TO_{}({}#{written})`", bits.0, ty.name(), bits.1),
             false => "write the number in decimal, with a point".to_owned(),
         };
         let title = format!("`{written}` is a number here, not the bits of a value of type {}", ty.name());

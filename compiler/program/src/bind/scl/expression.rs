@@ -416,7 +416,7 @@ impl SclBinder<'_, '_> {
             };
             format!("texts are joined with `CONCAT(IN1 := {}, IN2 := {})`", text(left), text(right))
         });
-        // An element stands between no values.
+        // An element is not an operator between values.
         let of_element = (is_element(&op) && help.contains(op.as_str())).then(|| {
             let text = if of_text(&left_is) { Some(left) } else { Some(right).filter(|_| of_text(&right_is)) };
             match text {

@@ -231,7 +231,7 @@ pub(super) fn in_two_steps(rules: Rules, from: Elementary, to: Elementary, text:
 pub(super) fn start_of_cell(kind: CellKind, text: &str) -> String {
     match kind {
         CellKind::Timer => format!("a timer is started by a function, as in `S_ODT(T_NO := {text}, S := …, TV := …)`"),
-        CellKind::Counter => format!("a counter counts by a function, as in `S_CU(C_NO := {text}, CU := …)`"),
+        CellKind::Counter => format!("a counter is counted by a function, as in `S_CU(C_NO := {text}, CU := …)`"),
     }
 }
 

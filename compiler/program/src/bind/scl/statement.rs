@@ -219,7 +219,7 @@ impl SclBinder<'_, '_> {
             _ => {
                 let text = self.program.globals.text(node.span);
                 let help = match self.may_be_called(ctx, node) {
-                    true => format!("to call it write `{text}( … );`"),
+                    true => format!("to call it, write `{text}( … );`"),
                     false => "assign it, or call the block with parentheses: `name();`".to_owned(),
                 };
                 let title = format!("`{text}` alone is not a statement");

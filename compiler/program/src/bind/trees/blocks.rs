@@ -143,7 +143,8 @@ pub fn block_class(block: &ast::Block) -> Option<ObClass> {
     }
 }
 
-/// What starts an OB, if its input parameters belong to one class alone, `Event_Count` to cyclic interrupts, or are all inputs of one class.
+/// What starts an OB, if its inputs show it: only one class has all of them, as cyclic interrupts have `Event_Count`, or they are exactly the
+/// inputs of one class.
 pub fn class_of_inputs(block: &ast::Block) -> Option<ObClass> {
     let ast::Block::Code(code) = block else { return None };
     let sections = code.sections.iter().filter(|section| section.kind == SectionKind::Input);
