@@ -178,7 +178,7 @@ impl Report {
                     message.help(format!("a hexadecimal number begins with `16#`: write `{number}`"))
                 }
                 (None, None, None) if name.contains('~') => message.help(format!(
-                    "a constant of the hardware, which sources do not contain: add it to a tag table, with its number in the TIA Portal, or its module to plc.toml, with `name = \"{name}\"`",
+                    "sources do not contain hardware constants: add it to a tag table with its number from the TIA Portal, or its module to plc.toml with `name = \"{name}\"`",
                 )),
                 (None, None, None) => message.help(
                     "declare it in the block, add the symbol table of the project to the sources, or define the block",

@@ -524,7 +524,7 @@ impl<'a> Classifier<'a, '_> {
         token.kind == RawKind::Pragma && pragma::tag(self.slice(token)) == Some(Tag::Number)
     }
 
-    /// Whether `FROM` or `TO` begins a line, which is no name.
+    /// Whether `FROM` or `TO` begins a line: then it is not a name.
     fn begins_clause(&self, token: RawToken) -> bool {
         token.first_on_line && (self.is_word(self.at, "FROM") || self.is_word(self.at, "TO"))
     }

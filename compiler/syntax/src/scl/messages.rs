@@ -44,7 +44,7 @@ impl Place<Tok<'_>, Dialect> for Recovery {
             Recovery::Labels => (Code::DeclarationSyntax, "list of labels", "write `LABEL first, second; END_LABEL`"),
             Recovery::Assignment => (Code::Syntax, "assignment", "write `component := constant;`, e.g. `a.b[3] := 5;`"),
             Recovery::Statement if begins_branch(state, index) => {
-                (Code::Syntax, "statement", "a number begins a branch of CASE, which stands after OF and before ELSE")
+                (Code::Syntax, "statement", "a number begins a branch of CASE, which belongs between OF and ELSE")
             }
             Recovery::Statement => (Code::Syntax, "statement", statement_help(at, before)),
             Recovery::Condition => (Code::Syntax, "expression", expression_help(at, before)),

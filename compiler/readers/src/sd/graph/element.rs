@@ -195,7 +195,7 @@ impl Builder<'_, '_> {
             let help = format!("write `Label( {label} )` on the line after `NETWORK`");
             self.report(
                 Diagnostic::new(Code::ElementPlace, target, "a label stands before the rungs of its network")
-                    .label("inside of a rung")
+                    .label("inside a rung")
                     .help(help),
             );
             return;

@@ -351,7 +351,7 @@ impl Builder<'_, '_> {
 
     /// `A( #a, #b )`
     fn report_unnamed_of_gate(&mut self, row: &Row, arguments: &[Argument]) {
-        // A single one is beside the operand that the rung brings.
+        // A single operand is the second input, since the rung feeds the first.
         let before = if arguments.len() == 1 { 2 } else { 1 };
         let pins =
             arguments.iter().zip(before..).map(|(argument, at)| format!("in{at} := {}", self.slice(argument.span)));

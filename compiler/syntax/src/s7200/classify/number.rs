@@ -18,7 +18,7 @@ impl Classifier<'_, '_> {
             (digits, ".") if first.kind == RawKind::Integer => (format!("{digits}.0"), "after"),
             _ => return false,
         };
-        // `1..3` is no number.
+        // `1..3` is not a number.
         let goes_on = rest.first().is_some_and(|next| {
             let is_part = matches!(next.kind, RawKind::Integer | RawKind::Real | RawKind::Word | RawKind::Stray);
             is_part && next.range().start == second.range().end

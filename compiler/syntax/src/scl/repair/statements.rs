@@ -361,7 +361,7 @@ impl Repair<'_> {
             }
             ("#include", Some(RawKind::Quoted | RawKind::Less)) => ("SCL has no preprocessor", TOGETHER.to_owned()),
             ("import" | "from", Some(RawKind::Word)) if !self.is_declared(word) => {
-                ("a source of SCL imports nothing", TOGETHER.to_owned())
+                ("SCL has no imports", TOGETHER.to_owned())
             }
             _ => return false,
         };
