@@ -98,7 +98,7 @@ fn program(model: &Model, frame: &mut Frame, area: Rect) {
 
 fn watch(model: &Model, frame: &mut Frame, area: Rect) {
     let widths = [Constraint::Length(1), Constraint::Percentage(45), Constraint::Percentage(40), Constraint::Min(6)];
-    // As the table divides what is inside its frame.
+    // The same columns as those of the table inside its frame.
     let inner = Rect::new(0, 0, area.width.saturating_sub(2), 1);
     let [_, _, room, _] = Layout::horizontal(widths).flex(Flex::Start).spacing(1).areas(inner);
     let row = |name: &String| {

@@ -338,7 +338,7 @@ impl Drawing {
     }
 }
 
-/// Writes a value where nothing else is; of one with more characters than there is room for the first ones.
+/// Writes a value where nothing else is. If there is not enough room, only its first characters.
 fn write_free(cells: &mut Vec<(char, Tone)>, point: i32, anchor: Anchor, value: &str) {
     let is_free = |column: i32| {
         let place = usize::try_from(column).ok().filter(|place| *place < COLUMNS_MAX);

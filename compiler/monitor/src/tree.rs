@@ -30,7 +30,7 @@ pub fn tree(pages: &[Page], names: &[(String, String)], search: &str, open: &[St
     let found = names.iter().filter(|(name, _)| search.is_empty() || name.to_lowercase().contains(&search));
     let mut found: Vec<(&str, &str, Vec<usize>)> =
         found.map(|(name, ty)| (name.as_str(), ty.as_str(), ends(name))).collect();
-    // Names with a part in common are below one branch, where the first of them is.
+    // Names that begin with the same part are below one branch, at the place of the first of them.
     let mut first = HashMap::new();
     for (number, (name, _, ends)) in found.iter().enumerate() {
         for &end in ends {

@@ -54,7 +54,7 @@ impl Trace {
 
 /// The name of a column without type and unit, its key, and its unit. A tag may be called `Pump in use`.
 fn column<'a>(text: &'a str, names: &Names) -> (&'a str, String, &'a str) {
-    // A name is written without quotes, whatever its letters are.
+    // Names of columns have no quotes, even if they need them in a program.
     let key = |name: &str| {
         let quoted = || names.key(&format!("\"{name}\""), Scope::default());
         names.key(name, Scope::default()).or_else(quoted)

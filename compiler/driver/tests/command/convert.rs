@@ -135,7 +135,7 @@ fn a_single_source_goes_into_a_folder_whose_name_ends_with_a_slash() {
     assert!(written.contains("E 0.0"), "{written}");
 }
 
-/// Folders of a plant often have one name of a file twice. Two that differ in the letter case are one on Windows.
+/// The folders of a plant often contain files of the same name. On Windows, names that differ only in case are the same, too.
 #[test]
 fn sources_with_one_name_become_files_of_their_own() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -121,7 +121,7 @@ impl S7200Lowering<'_, '_> {
     }
 }
 
-/// What kind of number an instruction has as an operand; `None`: bits.
+/// As which type of number an instruction uses operand `at`; `None`: as bits.
 fn number_type(insn: Insn, at: usize) -> Option<&'static str> {
     use OperandClass as C;
     let classes = insn.operands();
@@ -137,7 +137,7 @@ fn number_type(insn: Insn, at: usize) -> Option<&'static str> {
     }
 }
 
-/// The names of what is shown of an operand of an instruction; `None`: of a call.
+/// The names of the values that are shown for operand `at` of an instruction; `None`: of a call.
 fn names(insn: Option<Insn>, at: usize, operand: &Operand) -> Vec<String> {
     let Some(name) = name(operand) else { return Vec::new() };
     let class = insn.and_then(|insn| insn.operands().get(at));

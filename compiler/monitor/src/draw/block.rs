@@ -21,7 +21,7 @@ pub fn block(model: &Model, open: &block::Block, frame: &mut Frame, area: Rect) 
     let inner = edge.inner(area);
     let widths: Vec<usize> = lines.iter().map(width).collect();
     frame.render_widget(Paragraph::new(lines).scroll((0, aside)).block(edge), area);
-    // A number that goes on beyond the edge is not read as another one.
+    // A number that is cut at the edge must not be read as another number.
     let Some(last) = inner.right().checked_sub(1).filter(|_| inner.width > 0) else { return };
     for (y, width) in (inner.top()..inner.bottom()).zip(widths) {
         if width > usize::from(aside) + usize::from(inner.width) {

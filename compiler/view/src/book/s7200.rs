@@ -117,7 +117,7 @@ impl Maker<'_> {
     }
 }
 
-/// What a network is to a sequence step.
+/// Which end of a sequence step is in a network.
 enum Frame<'n> {
     None,
     /// It has LSCR with this bit.

@@ -42,7 +42,7 @@ impl Maker<'_> {
             }
             None => rungs,
         };
-        // The text has its labels at their statements.
+        // A network that is shown as text has its labels before their statements.
         let label = network.statements.first().and_then(|first| first.label.as_ref()).filter(|_| drawn.is_ok());
         let spans = network.statements.iter().map(|statement| statement.span);
         Section {

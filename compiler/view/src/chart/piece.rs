@@ -8,7 +8,7 @@ const GAP: i32 = 24;
 /// Height of the line between tiles.
 const LINK: i32 = 14;
 
-/// A part of a chart. Its flow enters at `entry` at the top, and what follows is below `exit` if no way ends at the bottom.
+/// A part of a chart. Its flow enters at `entry` at the top, and what follows is below `exit`, unless ways end at the bottom (`ends`).
 #[derive(Clone, Debug, Default)]
 pub struct Piece {
     pub scene: Scene,

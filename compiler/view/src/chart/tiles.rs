@@ -224,7 +224,7 @@ impl Tiles<'_> {
                 let label = self.names.label(&draw::whole_of(operand, self.text), self.scope);
                 self.writes(&label);
                 key = label.key;
-                // Only under N it is assigned; others have it as their time or count.
+                // With N the value is assigned; with other qualifiers it is their time or count.
                 let sign = if action.qualifier == Qualifier::N { " := " } else { ", " };
                 one(format!("{}{sign}{}", label.text, self.formula(value)))
             }

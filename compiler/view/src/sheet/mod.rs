@@ -133,7 +133,7 @@ pub struct Label {
 }
 
 impl Label {
-    /// Whether it is no constant. Elements of arrays and parts of words have no key, but what they are is told at their places.
+    /// Whether it is not a constant. Elements of arrays and parts of words have no key; their values are shown at their places.
     fn has_value(&self) -> bool {
         !self.key.is_empty() || self.place.is_some() && self.text.starts_with(['"', '#', '%'])
     }
@@ -204,7 +204,7 @@ impl Sheet {
     }
 }
 
-/// Characters of most values of the data types that a box names; 0: it names none whose values are long.
+/// How many characters most values of the data types in the detail of a box need; 0: none of the types has long values.
 fn characters(types: &str) -> usize {
     let of = |ty: &str| match ty.to_ascii_uppercase().as_str() {
         "LREAL" | "LINT" | "ULINT" | "LWORD" | "LTIME" | "LTOD" | "LDT" | "DTL" => 20,

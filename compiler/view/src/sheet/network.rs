@@ -40,10 +40,10 @@ pub fn sheet_of_statements(graph: &Graph, names: &Names, scope: Scope, label: &d
     sheet
 }
 
-/// In which words operands are drawn.
+/// How operands are written.
 struct Words<'a> {
     label: &'a dyn Fn(&Expr) -> Label,
-    /// What the constants of formulas are read from.
+    /// The text that constants of formulas are read from.
     text: &'a str,
 }
 
