@@ -80,7 +80,7 @@ pub fn areas() -> Result<(), Failed> {
     if !answer.windows(order.len()).any(|part| part == order) {
         return Err(format!("the identification is {answer:02X?}").into());
     }
-    // V is no data block.
+    // V is not a data block.
     let info = process::get(web, "/info")?;
     if !info.contains(r#""blocks":{"OB":1}"#) || !info.contains(r#""V memory":"#) || info.contains("data blocks") {
         return Err(info.into());

@@ -253,7 +253,7 @@ impl Source {
             }
             Source::Bits(address) => parse_value(text, address, image).map(|bits| Value::Bits(bits, address.width)),
             Source::Typed(address, ty) => match (typed::parse(text, *ty), analog::with_unit(text)) {
-                // The seconds of a duration are no unit of a channel.
+                // The seconds of a duration are not the unit of a channel.
                 (Err(_), Some((number, unit))) if address.width == Width::Word && ty.ty != AssertType::S5Time => {
                     let word = scale(address, unit, image)?.word(number);
                     Ok(Value::typed(ty.ty, TypedValue::Bits(u64::from(word as u16)), address.width))

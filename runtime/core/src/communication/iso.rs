@@ -166,7 +166,7 @@ impl Transport {
             if self.partial.len() > MESSAGE_MAX {
                 return Err(Broken);
             }
-            // Some CPUs keep a connection alive by packets without data, which are no messages.
+            // Some CPUs keep a connection alive with packets that have no data: they are not messages.
             if tpdu[2] & LAST != 0 && !self.partial.is_empty() {
                 self.messages.push_back(std::mem::take(&mut self.partial));
             }

@@ -46,7 +46,7 @@ struct Table {
     rows: Vec<Row>,
 }
 
-/// Values of an instance, and the line of the file that has them.
+/// The values of an instance, and their line in the file.
 struct Row {
     line: usize,
     values: Vec<String>,
@@ -60,7 +60,7 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// The line of a record after the last one that was asked for.
+    /// The line of a record. Records must be asked for in their order.
     fn of(&mut self, record: Option<&csv::Position>) -> usize {
         let start = record.map_or(0, |record| record.byte() as usize);
         let rest = self.text.get(start..).unwrap_or_default();

@@ -345,7 +345,7 @@ fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec
     }
 }
 
-/// The tolerance that `5..9` means; another one where the middle is no whole number.
+/// What to write for the range `5..9`: `7 +- 2`; another example if its middle is not a whole number.
 fn range(text: &str) -> Option<String> {
     let (low, high) = text.split_once("..")?;
     let (low, high) = (low.trim().parse::<f64>().ok()?, high.trim_start_matches('.').trim().parse::<f64>().ok()?);

@@ -273,7 +273,7 @@ pub(super) fn receive(call: &Call) -> Outcome {
     }
 }
 
-/// The part of DATA, parameter `index`, that LEN names; with LEN 0 all of it, of what is received as much as a job takes. `Err`: STATUS.
+/// The part of DATA, parameter `index`, that LEN names. With LEN 0 it is all of DATA, for receiving at most as much as a job takes. `Err`: STATUS.
 fn job(call: &Call, length: u32, index: usize, access: Access) -> Result<Range, u16> {
     if !(1..=4095).contains(&call.word(0)) {
         return Err(ID);

@@ -47,13 +47,13 @@ fn module<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
     module_at(call, by_address(call, id))
 }
 
-/// A hardware identifier, as that of the first address of its module if plc.toml gives it.
+/// A hardware identifier as an address: one that plc.toml gives to a module becomes the first address of that module.
 pub(super) fn by_address(call: &Call, id: u16) -> u16 {
     let ids = &call.cpu.image.config.hardware_ids;
     ids.iter().find(|(given, _)| *given == id).map_or(id, |(_, address)| *address)
 }
 
-/// The module that has an address, of outputs with bit 15.
+/// The module that has an address; addresses of outputs have bit 15.
 fn module_at<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
     let address = u32::from(id & !OUTPUTS);
     let covers = |start: u32, bytes: u32| address >= start && address - start < bytes;
@@ -63,7 +63,7 @@ fn module_at<'a>(call: &Call<'a>, id: u16) -> Option<&'a Module> {
     })
 }
 
-/// First byte of the inputs that DPRD_DAT reads with the hardware identifier `id`. The identifier of no module is an address. `None`: the
+/// First byte of the inputs that DPRD_DAT reads with the hardware identifier `id`. If no module has it, it is an address. `None`: the
 /// module has no inputs.
 pub(super) fn first_input(call: &Call, id: u16) -> Option<u32> {
     let id = by_address(call, id);
@@ -73,15 +73,15 @@ pub(super) fn first_input(call: &Call, id: u16) -> Option<u32> {
     }
 }
 
-/// First byte of the outputs that DPWR_DAT writes with the hardware identifier `id`: those of the module, also if `id` is that of its inputs. The
-/// identifier of no module is an address. `None`: the module has no outputs.
+/// First byte of the outputs that DPWR_DAT writes with the hardware identifier `id`: those of the module, even if `id` is that of its inputs. If
+/// no module has it, it is an address. `None`: the module has no outputs.
 pub(super) fn first_output(call: &Call, id: u16) -> Option<u32> {
     let own = by_address(call, id);
     let address = u32::from(own & !OUTPUTS);
     let Some(module) = module_at(call, own) else { return Some(address) };
     let is_own = address >= module.output_start && address - module.output_start < module.output_bytes;
     match module.output_bytes {
-        // An address, not an identifier, may also be that of another module.
+        // Unlike an identifier, an address of inputs may be one of outputs of another module.
         0 => (own == id).then_some(address),
         _ if is_own => Some(address),
         _ => Some(module.output_start),

@@ -18,7 +18,7 @@ use super::range::Range;
 use super::status::{self, Status};
 use crate::limits::OPCUA_ELEMENTS_MAX;
 
-/// The type number of bytes without a sign.
+/// The type number of Byte, which has no sign.
 const BYTE: u8 = 3;
 /// The type number of dates with their time of day.
 const DATE_TIME: u8 = 13;

@@ -105,7 +105,7 @@ impl Subscriptions {
                     item.interval = parameters.interval(subscription.interval);
                     let (room, others) = (item.room, kept - item.kept());
                     item.set_room(parameters.room());
-                    // The room of all items is limited: without more of it the item keeps its own.
+                    // All items together have limited room: if there is not enough, the item keeps the room it had.
                     if others + item.kept() > OPCUA_KEPT_MAX {
                         item.set_room(room);
                     }
