@@ -39,14 +39,14 @@ async function look(tab) {
   }`);
   await until(tab, "the sum of the other one", `${sum}105") && !${sum}6")`);
   await until(tab, "its name", `/DB 2 "Second"/.test(document.querySelector("#status-seen").textContent)`);
-  // A value that needs more room than there is does not lose its first digits at the edge of the drawing.
+  // A long value does not lose its first digits at the edge of the drawing.
   await tab(`${frame}.tell(${page}.querySelector("text.v"), "-2147483648")`);
   await until(tab, "all of a long value", `(() => {
     const value = ${page}.querySelector("text.v");
     return value.textContent === "-2147483648" && value.getBBox().width < value.room + 1;
   })()`);
 
-  // Without the status, too, a value has its type.
+  // A value is shown in its type even while the status is off.
   await tab(`document.querySelector("#status-on").click()`);
   await until(tab, "a component of a data block", `${sum}105")`);
   await tab(`document.querySelector("#status-on").click()`);

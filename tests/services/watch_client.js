@@ -88,7 +88,7 @@ async function values(tab) {
   await until(tab, "that nothing is", `document.querySelector("#modify-state").textContent === ""`);
 }
 
-// The bounds of curves have no exponents and too few digits, a large number that stays the same has a line, and a duration is in seconds.
+// The bounds of curves have no exponents and enough digits, a large number that never changes has a line, and a duration is in seconds.
 const curves = (tab) => until(tab, "the bounds of curves", `bound(27648) === "27648" && bound(-29994.5) === "-29994.5" && bound(0.1 + 0.2) === "0.3"
   && range([-9e18], false)[0] < -9e18 && range([1], true)[1] === 1
   && plotted({ type: "TIME", value: "T#-1m2s500ms" }) === -62.5 && plotted({ type: "STRING", value: "T#1s" }) === null`);

@@ -169,9 +169,9 @@ function range(key) {
 }
 const isUsed = (k) => cross.has(k) || data.uses[k] !== undefined;
 const ranges = [...cross.keys(), ...Object.keys(data.uses)].map((k) => [k, range(k)]).filter((r) => r[1]);
-// Addresses by names of components of data blocks: those that something uses, and those that stand on the pages of the blocks.
+// Addresses by names of components of data blocks: those that the program uses, and those on the pages of the blocks.
 const memberOf = new Map();
-// Names by which a value has its type, by address.
+// By address, the name with which a value is shown in its type.
 const typedName = new Map(data.symbols.map(([address, name]) => [address, `"${name}"`]));
 for (const p of data.pages) if (/^DB \d+$/.test(p.id)) {
   const path = [];
@@ -191,7 +191,7 @@ function keyOf(text) {
   if (isUsed(upper)) return upper;
   const address = addressOf.get(fold(t));
   if (address) return address;
-  // Which element of an array a variable index means is not known.
+  // An index that is a variable may mean any element of an array.
   const member = memberOf.get(fold(t)) ?? memberOf.get(fold(t).replace(/\[[^\]]*\]/g, "[*]"));
   if (member) return member;
   const local = here >= 0 ? data.pages[here].id + (t.startsWith("#") ? t : "#" + t) : t;
@@ -363,7 +363,7 @@ function flow(logic) {
   }
   return known;
 }
-// Puts a value into a drawing: the room that was left for it is that of its first text, and below a name that of the name. A longer
+// Puts a value into a drawing. It has as much room as its first text, or as the name above it if that is wider. A longer
 // value is drawn narrower, since it would lose its first digits at the edge of the drawing.
 function tell(el, text) {
   const width = (of, cells = of.textContent.length) => Math.max(cells, 1) * 0.61 * of.getAttribute("font-size");

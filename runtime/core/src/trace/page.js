@@ -80,7 +80,7 @@ function draw() {
       c.textAlign = "left";
       for (let i = first; i <= last; i++) if (i === first || g.texts[i] !== g.texts[i - 1]) { c.fillText(g.texts[i], Math.max(X(times[i]), LEFT) + 3, y + 17); c.fillRect(X(times[i]), y + 4, 1, 18); }
     } else {
-      // A number that stays the same is in the middle.
+      // A number that never changes is drawn in the middle.
       const same = !g.bit && g.low === g.high, room = same ? Math.max(0.5, Math.abs(g.low) / 1e6) : 0;
       const low = g.bit ? 0 : g.low - room, high = g.bit ? 1 : g.high + room, span = high - low;
       const Y = (v) => y + h - 4 - ((v - low) / span) * (h - 8);

@@ -280,10 +280,10 @@ function axis(canvas, from, to, zero) {
   }
 }
 
-// A bound of a curve, without an exponent where six digits tell it.
+// A bound of a curve, with six digits, and without an exponent where that is possible.
 const bound = (number) => String(+number.toPrecision(6));
 
-// The range of a curve: that of a bit is from 0 to 1. Around a number that stays the same there is room, also if it is large.
+// The range of a curve: from 0 to 1 for a bit. A number that never changes gets room above and below, even if it is large.
 function range(numbers, isBit) {
   let [low, high] = isBit ? [0, 1] : [Infinity, -Infinity];
   for (const number of numbers) { low = Math.min(low, number); high = Math.max(high, number); }
@@ -300,7 +300,7 @@ function plotted(shown) {
     const parts = [...value.matchAll(/(\d+)(ms|us|ns|[dhms])/g)].map(([, count, unit]) => count * SECONDS[unit]);
     return parts.reduce((sum, part) => sum + part, 0) * (value.includes("#-") ? -1 : 1);
   }
-  // What has more than 53 bits comes as a text.
+  // Numbers of more than 53 bits come as text.
   if (typeof value === "string" && /^(LWORD|U?LINT)$/.test(shown.type)) return Number(value);
   return typeof value === "number" || typeof value === "boolean" ? Number(value) : null;
 }
