@@ -169,11 +169,17 @@ fn type_of(look: &Look) -> &str {
     }
 }
 
-/// An operand of a comparison: constants of double words have all of their digits, since 16#FFFF alone would be the INT -1.
+/// An operand of a comparison: constants of double words have all of their digits, since 16#FFFF alone would be the INT -1, and those in base 2
+/// or 8 are in base 16, as values are.
 fn as_compared(look: &Look, text: String) -> String {
     let is_double = ["D", "DI", "DINT", "DWORD"].iter().any(|ty| ty.eq_ignore_ascii_case(type_of(look)));
-    match text.strip_prefix("16#").map(|digits| digits.replace('_', "")) {
-        Some(digits) if is_double && digits.len() <= 8 => format!("16#{digits:0>8}"),
+    let bits = [("16#", 16), ("8#", 8), ("2#", 2)].into_iter().find_map(|(prefix, base)| {
+        let digits = text.strip_prefix(prefix)?.replace('_', "");
+        u64::from_str_radix(&digits, base).ok()
+    });
+    match bits {
+        Some(bits) if is_double => format!("16#{bits:08X}"),
+        Some(bits) if !text.starts_with("16#") => format!("16#{bits:04X}"),
         _ => text,
     }
 }
@@ -368,6 +374,20 @@ mod tests {
         };
         assert_eq!(term.json(true), serde_json::json!(["?", null, "<", "MW10", "7", false, [10, 20, true]]));
         assert_eq!(term.json(false), serde_json::json!(["?", null, "<", "MW10", "7", false]));
+    }
+
+    /// A word with its first bit is below zero as a value, and so must be what it is compared with.
+    #[test]
+    fn a_constant_in_base_2_is_compared_as_one_in_base_16() {
+        let look = |ty: &str| Look::Compare { sign: "==".to_string(), ty: ty.to_string() };
+        for (ty, text, expected) in [
+            ("I", "2#1000_0000_0000_0001", "16#8001"),
+            ("Word", "8#177777", "16#FFFF"),
+            ("B", "2#101", "16#0005"),
+            ("D", "2#1000_0000_0000_0001", "16#00008001"),
+        ] {
+            assert_eq!(as_compared(&look(ty), text.to_string()), expected, "{text}");
+        }
     }
 
     #[test]
