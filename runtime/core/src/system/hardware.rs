@@ -79,7 +79,10 @@ pub(super) fn first_output(call: &Call, id: u16) -> Option<u32> {
     let own = by_address(call, id);
     let address = u32::from(own & !OUTPUTS);
     let Some(module) = module_at(call, own) else { return Some(address) };
-    let is_own = address >= module.output_start && address - module.output_start < module.output_bytes;
+    // The identifier of the module may be one of the addresses of its outputs, too.
+    let is_identifier = own & OUTPUTS == 0 && address == module.input_start;
+    let is_own =
+        !is_identifier && address >= module.output_start && address - module.output_start < module.output_bytes;
     match module.output_bytes {
         // Unlike an identifier, an address of inputs may be one of outputs of another module.
         0 => (own == id).then_some(address),
