@@ -109,12 +109,10 @@ impl SclBinder<'_, '_> {
         let folded = fold(&instance.text);
         let globals = &self.program.globals;
         let defined = || {
-            let names = globals.names.symbols.values().map(|global| global.name.as_str());
             let mut rows = globals.input.tables.iter().flat_map(|table| &table.unreadable);
             ctx.block.bound.locals.contains_key(&folded)
                 || globals.names.symbols.contains_key(&folded)
                 || rows.any(|row| fold(&row.name) == folded)
-                || similar(&instance.text, names).is_some()
         };
         if instance.form != NameForm::Quoted
             || globals.input.partial
@@ -123,6 +121,12 @@ impl SclBinder<'_, '_> {
             || defined()
         {
             return false;
+        }
+        if self.program.globals.report.may_search() {
+            let names = self.program.globals.names.symbols.values().map(|global| global.name.as_str());
+            if similar(&instance.text, names).is_some() {
+                return false;
+            }
         }
         let (name, block) = (&instance.text, asked.to_ascii_uppercase());
         let help = format!(
