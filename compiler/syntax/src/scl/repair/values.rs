@@ -325,9 +325,7 @@ impl Repair<'_> {
             return false;
         }
         let block = self.words(first, at - 1);
-        let Some(open) = self.end_of_callee(at + 1).filter(|open| self.kind(*open) == Some(RawKind::LeftParen)) else {
-            return false;
-        };
+        let Some(open) = self.parenthesis_after(at + 1) else { return false };
         let end = self.end_of_statement(open);
         let is_whole = self.closing(open).is_some_and(|close| close + 1 == end);
         if !is_whole || block.contains(['(', '[']) {
@@ -343,6 +341,18 @@ impl Repair<'_> {
         self.report(first, at + 1, title, "a form of STL", format!("write `{callee}( … );`"));
         self.give_up(end);
         true
+    }
+
+    /// Index of the parenthesis after the instance at `first`: `"Motor_DB" (`, `#motors[1] (`, `#line.motors[1].inner (`.
+    fn parenthesis_after(&self, first: usize) -> Option<usize> {
+        let mut after = self.end_of_callee(first)?;
+        while self.kind(after) == Some(RawKind::LeftBracket) {
+            after = self.closing(after)? + 1;
+            while self.kind(after) == Some(RawKind::Dot) && after + 1 < self.tokens.len() {
+                after += 2;
+            }
+        }
+        (self.kind(after) == Some(RawKind::LeftParen)).then_some(after)
     }
 
     /// `a, b := 1;`, `a, b := c, d;`
