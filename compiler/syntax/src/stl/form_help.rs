@@ -1,6 +1,9 @@
 //! What to write for a statement that cannot be read, where its text has only one meaning: `I 0-0`, `MW[AR1+2]`, `CALL FB 1.DB 1`.
 
+use plcc_literal::duration;
+
 use crate::ast::{BlockPrefix, Width};
+use crate::literal::{self, Literal};
 use crate::stl::messages::State;
 use crate::stl::token::{Spanned, Tok};
 use crate::stl::{Mnemonics, StlInsn, forms};
@@ -126,8 +129,18 @@ fn of_operand(
             let unit = unit.to_ascii_uppercase();
             let number = &state.text[*number..*number_end];
             let is_time = matches!(unit.as_str(), "MS" | "S" | "M" | "H") && number.parse::<u32>().is_ok();
-            is_time.then(|| {
-                format!("write `{mnemonic} S5T#{number}{unit}` for a timer of the CPU, `{mnemonic} T#{number}{unit}` for a TIME")
+            let value = format!("{number}{unit}");
+            let constant = |prefix: &str| literal::parse(&format!("{prefix}#{value}"));
+            if !is_time || constant("T").is_err() {
+                return None;
+            }
+            let time = format!("`{mnemonic} T#{value}` for a TIME");
+            // An S5TIME counts up to 999 units of 10 ms or more.
+            Some(match constant("S5T") {
+                Ok(Literal::S5Time(word)) if duration::s5time_cut(&value, word).is_none() => {
+                    format!("write `{mnemonic} S5T#{value}` for a timer of the CPU, {time}")
+                }
+                _ => format!("write {time}"),
             })
         }
         // The number of the bit is missing.
