@@ -18,8 +18,14 @@ impl SclBinder<'_, '_> {
             return;
         }
         let (folded, span) = (fold(&name.text), name.span);
+        let profile = &self.program.globals.input.profile;
+        // A CPU with IEC timers only has no functions that start others.
+        let exists = |kind: &CellKind| match kind {
+            CellKind::Timer => profile.timers > 0,
+            CellKind::Counter => profile.counters > 0,
+        };
         if !self.program.globals.input.partial
-            && let Some(kind) = cell(name)
+            && let Some(kind) = cell(name).filter(exists)
         {
             let help = start_of_cell(kind, &name.text);
             let title = format!("`{}` cannot be called", name.text);
