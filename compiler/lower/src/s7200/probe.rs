@@ -132,7 +132,8 @@ fn number_type(insn: Insn, at: usize) -> Option<&'static str> {
         C::IntIn => Some("INT"),
         C::DintIn => Some("DINT"),
         C::WordOut if calculates => Some("INT"),
-        C::DwordOut if calculates => Some("DINT"),
+        // The remainder and the quotient of DIV are two numbers.
+        C::DwordOut if calculates && insn != Insn::Div => Some("DINT"),
         _ => None,
     }
 }
