@@ -174,15 +174,7 @@ fn token(rest: &str, first: char) -> Result<(Token<'_>, &str), String> {
     if first.is_ascii_digit() {
         let end =
             rest.find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '#'))).unwrap_or(rest.len());
-        let (number, after) = rest.split_at(end);
-        // The exponent of a float has a sign.
-        let (number, after) = match number.ends_with(['e', 'E']) && after.starts_with(['+', '-']) {
-            true => {
-                let digits = after[1..].find(|c: char| !c.is_ascii_digit()).map_or(after.len(), |at| at + 1);
-                rest.split_at(end + digits)
-            }
-            false => (number, after),
-        };
+        let (number, after) = rest.split_at(exponent_end(rest, end));
         return Ok((Token::Text(literal(number)?), after));
     }
     if let Some((text, after)) = typed_literal(rest) {
@@ -230,7 +222,20 @@ fn typed_literal(text: &str) -> Option<(&str, &str)> {
     let is_within = |c: char| is_part(c) || matches!(c, '.' | '#') || has_signs && matches!(c, '-' | ':');
     let digits = value.strip_prefix('-').unwrap_or(value);
     let end = digits.find(|c: char| !is_within(c)).unwrap_or(digits.len());
+    let is_float = ["REAL", "LREAL"].iter().any(|float| float.eq_ignore_ascii_case(ty));
+    let end = if is_float { exponent_end(digits, end) } else { end };
     Some(text.split_at(text.len() - digits.len() + end))
+}
+
+/// The end of a number with the exponent of a float, which may have a sign: of `1.5E-3`, whose letters and digits end at `end`.
+fn exponent_end(text: &str, end: usize) -> usize {
+    let (number, after) = text.split_at(end);
+    match after.strip_prefix(['+', '-']) {
+        Some(digits) if number.ends_with(['e', 'E']) && !number.contains('#') => {
+            end + 1 + digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len())
+        }
+        Some(_) | None => end,
+    }
 }
 
 /// A name with its members and indices, at the beginning of a text. `Err`: the error.
@@ -350,6 +355,8 @@ mod tests {
             ("DB1.t >= T#5s && DB1.t < T#5s1ms", 1.0),
             ("DB1.t > T#-5s AND DB1.t-T#-5s = 10", 1.0),
             ("MW10 - INT#-1 = 8", 1.0),
+            ("MW10 > REAL#1.5E-3 AND MW10-LREAL#-7.0e+0 = 14", 1.0),
+            ("MW10 = 16#E-7", 1.0),
             ("MW10 = 16#7 & MW10 = W#16#7", 1.0),
             ("abs(0 - MW10) == 7.0e0", 1.0),
             ("max(MW10, 1e+2)", 100.0),
