@@ -143,8 +143,8 @@ impl Globals<'_> {
         }
         // If a block or tag has the name of a module, the name means the block or tag.
         let config = &self.input.config;
-        if let Some(module) = config.modules.iter().flatten().find(|module| fold(&module.name) == name)
-            && !self.names.symbols.contains_key(&name)
+        if !self.names.symbols.contains_key(&name)
+            && let Some(module) = config.modules.iter().flatten().find(|module| fold(&module.name) == name)
         {
             return word(config.hardware_id(module));
         }
