@@ -99,22 +99,25 @@ fn sized(word: &str, operands: &str) -> Option<String> {
     if !is_operand(left) || right.is_some_and(|right| !is_operand(right)) {
         return None;
     }
-    let is_constant = left.parse::<i64>().is_ok() || is_real(left);
+    let is_constant = |text: &str| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let fits = |letter: char| left.parse::<i64>().is_ok() || is_real(left) && letter == 'R';
     let letter = match (letter_of(left, ""), right.and_then(|right| letter_of(right, left))) {
         (Some(own), Some(other)) if own != other => return None,
         (Some(own), _) => own,
-        (None, Some(other)) if is_constant => other,
+        (None, Some(other)) if fits(other) => other,
         (None, _) => return None,
     };
+    // Shifts write to their first operand, the others to the second one.
+    let (shifts, writes) = (!is_constant(left), right.is_some_and(|right| !is_constant(right)));
     let mnemonic = match (word, letter, right) {
-        ("MOV" | "MOVE", _, Some(_)) => format!("MOV{letter}"),
+        ("MOV" | "MOVE", _, Some(_)) if writes => format!("MOV{letter}"),
         ("INC" | "DEC", 'B' | 'W' | 'D', None) => format!("{word}{letter}"),
-        ("ADD", 'W', Some(_)) => "+I".to_owned(),
-        ("SUB", 'W', Some(_)) => "-I".to_owned(),
-        ("SHL", 'B' | 'W' | 'D', Some(_)) => format!("SL{letter}"),
-        ("SHR", 'B' | 'W' | 'D', Some(_)) => format!("SR{letter}"),
-        ("ROL", 'B' | 'W' | 'D', Some(_)) => format!("RL{letter}"),
-        ("ROR", 'B' | 'W' | 'D', Some(_)) => format!("RR{letter}"),
+        ("ADD", 'W', Some(_)) if writes => "+I".to_owned(),
+        ("SUB", 'W', Some(_)) if writes => "-I".to_owned(),
+        ("SHL", 'B' | 'W' | 'D', Some(_)) if shifts => format!("SL{letter}"),
+        ("SHR", 'B' | 'W' | 'D', Some(_)) if shifts => format!("SR{letter}"),
+        ("ROL", 'B' | 'W' | 'D', Some(_)) if shifts => format!("RL{letter}"),
+        ("ROR", 'B' | 'W' | 'D', Some(_)) if shifts => format!("RR{letter}"),
         _ => return None,
     };
     Some(format!("`{mnemonic} {operands}`"))
@@ -169,6 +172,9 @@ mod tests {
         assert_eq!(written("ADD VW0, VW2"), "`+I VW0, VW2`");
         assert_eq!(written("SHL VB0, 2"), "`SLB VB0, 2`");
         assert_eq!(written("MOV VW0, VB2"), "");
+        assert_eq!(written("MOV 1.5, VW0"), "", "not a whole number");
+        assert_eq!(written("MOV VW0, 5"), "", "nothing is written to a constant");
+        assert_eq!(written("SHL 2, VB0"), "");
         assert_eq!(written("ADD VD0, VD4"), "", "of DINT or REAL");
     }
 
