@@ -113,6 +113,10 @@ impl Repair<'_> {
         if token.kind != RawKind::Semicolon || !(typed || self.follows_name(at)) {
             return false;
         }
+        // `FUNCTION FC 1 : VOID ; END_FUNCTION` has an empty statement.
+        if self.keyword(at + 1).is_some_and(Keyword::ends_block) {
+            return false;
+        }
         let title = "the first line of a block has no `;`".to_owned();
         self.report(at, at + 1, title, "one sign too many", "remove the `;`".to_owned());
         self.drop_tokens(at, at + 1);
