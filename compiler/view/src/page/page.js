@@ -315,6 +315,7 @@ const VIEWS = xref
 // The state at a time of the trace.
 let shown = null;
 const bit = (v) => (v === "1" || v === "TRUE" ? true : v === "0" || v === "FALSE" ? false : null);
+const isDuration = (t) => /^(L?T(IME)?|S5T(IME)?)#/i.test(t);
 const number = (t, real) => {
   t = t.replace(/_/g, "");
   const m = /^(16|8|2)#([0-9A-F]+)$/i.exec(t);
@@ -323,7 +324,7 @@ const number = (t, real) => {
     if (real) return digits === 8 ? new Float32Array(new Uint32Array([n]).buffer)[0] : null;
     return Number.isNaN(n) ? null : digits === 4 ? (n << 16) >> 16 : digits === 8 ? n | 0 : n;
   }
-  if (/^(L?T|S5T)#/.test(t)) {
+  if (isDuration(t)) {
     const parts = [...t.matchAll(/(\d+(?:\.\d+)?)(ms|us|ns|[dhms])/gi)].map(([, count, unit]) => count * { d: 864e5, h: 36e5, m: 6e4, s: 1e3, ms: 1, us: 1e-3, ns: 1e-6 }[unit.toLowerCase()]);
     return parts.length ? parts.reduce((sum, part) => sum + part, 0) * (t.includes("#-") ? -1 : 1) : null;
   }
@@ -342,9 +343,10 @@ function flow(logic) {
     if (t[0] === "|") return any(t.slice(1).map(input));
     if (t[0] === "^") { const vs = t.slice(1).map(input); return vs.includes(null) ? null : vs.filter((v) => v).length % 2 === 1; }
     if (t[0] === "?") {
-      const [, net, sign, a, b, real] = t, value = (k) => number(shown.get(k) ?? k, real), x = value(a), y = value(b);
+      const [, net, sign, left, right, real] = t, a = shown.get(left) ?? left, b = shown.get(right) ?? right, x = number(a, real), y = number(b, real);
       const on = net === null ? true : known.get(net) ?? null;
-      if (x === null || y === null) return all([on, null]);
+      // What STL loads of a timer is a number without its time base.
+      if (x === null || y === null || isDuration(a) !== isDuration(b)) return all([on, null]);
       return all([on, { "=": x === y, "==": x === y, "<>": x !== y, "<": x < y, "<=": x <= y, ">": x > y, ">=": x >= y }[sign] ?? null]);
     }
     return null;

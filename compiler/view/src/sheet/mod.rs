@@ -8,6 +8,8 @@ pub mod s7200;
 mod s7200_boxes;
 pub mod stl;
 
+use crate::names::is_cell;
+
 /// A network for drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sheet {
@@ -136,6 +138,11 @@ impl Label {
     /// Whether it is not a constant. Elements of arrays and parts of words have no key; their values are shown at their places.
     fn has_value(&self) -> bool {
         !self.key.is_empty() || self.place.is_some() && self.text.starts_with(['"', '#', '%'])
+    }
+
+    /// The label of an operand that is a word: of a timer or counter its current value, not its bit.
+    fn as_word(self) -> Label {
+        if is_cell(&self.key) { Label { key: format!("{}.VALUE", self.key), ..self } } else { self }
     }
 
     /// A text that is not an operand.

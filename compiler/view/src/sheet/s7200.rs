@@ -9,7 +9,6 @@ use plcc_syntax::stl::Mnemonics;
 use super::rungs::{Rungs, Span, side};
 use super::s7200_boxes::{Face, face};
 use super::{Label, Link, Look, Meaning, Pin, Place, Sheet};
-use crate::names::is_cell;
 
 /// A subroutine as its box shows it.
 pub struct Subroutine {
@@ -38,7 +37,7 @@ pub fn sheet(
             StatementKind::Instruction { insn, operands, .. } => {
                 maker.flows = operands.iter().map(|operand| maker.wire(operand)).collect();
                 let labelled = |(at, operand): (usize, &Operand)| match insn.operands().get(at) {
-                    Some(class) if is_word(*class) => as_word(label(operand)),
+                    Some(class) if is_word(*class) => label(operand).as_word(),
                     _ => label(operand),
                 };
                 let labels: Vec<Label> = operands.iter().enumerate().map(labelled).collect();
@@ -64,11 +63,6 @@ pub fn sheet(
 fn is_word(class: OperandClass) -> bool {
     use OperandClass::*;
     matches!(class, WordIn | IntIn | WordOut | WordOutAnalog | WordsIn | WordsOut | Table)
-}
-
-/// The label of an operand that is a word.
-fn as_word(label: Label) -> Label {
-    if is_cell(&label.key) { Label { key: format!("{}.VALUE", label.key), ..label } } else { label }
 }
 
 /// A bit of local memory: byte and bit.

@@ -140,3 +140,28 @@ fn a_local_bit_of_a_branch_is_a_line() {
         }
     }
 }
+
+/// `L C 5` loads the count, another value than the bit that `A C 5` scans. What `L T 5` loads has no time base, so a trace does not tell it.
+#[test]
+fn a_counter_that_is_compared_shows_its_count() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nL C 5; L 2; >=I; = Q 0.0;\nNETWORK\nA C 5; = Q 0.1;\n\
+                  NETWORK\nL T 5; L 2; <I; = Q 0.2;\nEND_FUNCTION\n";
+    fs::write(folder.join("count.awl"), source).expect("the folder can be written");
+    let trace = "cycle,time_ms,C5,C5.VALUE,T5,T5.VALUE\n1,10,1,7,1,S5T#1s\n";
+    fs::write(folder.join("trace.csv"), trace).expect("the folder can be written");
+    let output = plcc(folder, &["view", "count.awl", "--cpu", "315-2DP", "--state", "trace.csv", "-o", "drawings"]);
+    let picture = |network: usize| {
+        let picture = fs::read_to_string(folder.join(format!("drawings/FC_1_network_{network}.svg")));
+        picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)))
+    };
+    for (network, value) in [(1, "7"), (2, "1")] {
+        let picture = picture(network);
+        let mut texts = picture.split("</text>").filter_map(|text| text.rsplit('>').next());
+        assert!(texts.any(|text| text.trim() == value), "{value} in {picture}");
+        assert!(!picture.contains("class=\"w off\""), "{picture}");
+    }
+    let unknown = picture(3);
+    assert_eq!(unknown.matches("class=\"w on\"").count(), 1, "{unknown}");
+}
