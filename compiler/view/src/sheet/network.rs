@@ -87,7 +87,8 @@ fn part(element: &Element, language: Language, words: &Words) -> Part {
     };
     let (flow_in, flow_out) = (find(flow_in, false), find(flow_out, true));
     let (look, meaning, small) = look(element, language, words);
-    let of_words = matches!(&element.target, Target::Element { row, .. } if matches!(row.kind, Kind::Compare(_) | Kind::Move));
+    let of_words =
+        matches!(&element.target, Target::Element { row, .. } if matches!(row.kind, Kind::Compare(_) | Kind::Move));
     let mut places = 0;
     let pins = element.pins.iter().enumerate().map(|(at, pin)| {
         let is_flow = Some(at) == flow_in || Some(at) == flow_out;
