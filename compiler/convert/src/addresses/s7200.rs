@@ -28,19 +28,27 @@ impl Editor<'_> {
     }
 
     fn s7200_operand(&mut self, operand: &Operand, locals: &HashSet<String>, may_be_text: bool) {
+        let is_local = |name: &str, form: SymbolForm| match form {
+            SymbolForm::Local => true,
+            SymbolForm::Bare => locals.contains(&fold(name)),
+            SymbolForm::Quoted => false,
+        };
         match (&operand.kind, self.to) {
             (OperandKind::Indirect(inner) | OperandKind::AddressOf(inner), _) => {
                 self.s7200_operand(inner, locals, false);
             }
             (OperandKind::Symbol { name, form }, To::Absolute) => {
-                let is_local = match form {
-                    SymbolForm::Local => true,
-                    SymbolForm::Bare => locals.contains(&fold(name)),
-                    SymbolForm::Quoted => false,
-                };
-                if !is_local && let Some(direct) = self.address_of(name) {
+                if !is_local(name, *form)
+                    && let Some(direct) = self.address_of(name)
+                {
                     self.edit(operand.span, awl::address(&direct, self.set));
                 }
+            }
+            // `Start:I0.0`
+            (OperandKind::Direct(direct), To::Absolute)
+                if operand.shown.as_ref().is_some_and(|shown| !is_local(&shown.name, shown.form)) =>
+            {
+                self.edit(operand.span, awl::address(direct, self.set));
             }
             (OperandKind::Direct(direct), To::Symbolic) => self.s7200_symbol(direct, operand.span, locals, may_be_text),
             (

@@ -86,7 +86,7 @@ fn calls_for_types_stay_in_xml() {
     }
 }
 
-/// `Start:I0.0`: Micro/WIN shows a symbol and its address.
+/// `Start:I0.0`: Micro/WIN shows a symbol and its address. Other mnemonics change the address alone, and `--absolute` leaves only that.
 #[test]
 fn symbols_before_their_addresses_stay_with_other_mnemonics() {
     let source = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNETWORK 1\nLD     Start:I0.0\nA      \"Stop\":I0.1\n=      Lamp:Q0.0\n\
@@ -95,6 +95,9 @@ fn symbols_before_their_addresses_stay_with_other_mnemonics() {
     let german = plcc(&folder, &["convert", "a.awl", "--to", "awl", "--mnemonics", "de"]);
     let expected = source.replace("A      ", "U      ").replace(":I0", ":E0").replace(":Q0", ":A0");
     assert_eq!(text(&german.stdout), expected);
+    let absolute = plcc(&folder, &["convert", "a.awl", "--absolute"]);
+    let expected = source.replace("Start:", "").replace("\"Stop\":", "").replace("Lamp:", "");
+    assert_eq!(text(&absolute.stdout), expected);
 }
 
 #[test]
