@@ -70,10 +70,13 @@ fn named(name: &str, units: &[(FileId, SourceUnit)]) -> Result<Profile, (String,
     Err(match profile::lookup(name) {
         Some(profile) if plcc_program::runs(&profile, units) => return Ok(profile),
         Some(profile) if is_s7200 => (format!("`{}` does not run programs of the S7-200", profile.name), one_of()),
-        Some(profile) if profile.family == Family::S71200 => (
-            format!("`{}` has no STL; it runs LAD, FBD and SCL", profile.name),
-            "choose a CPU with STL, such as an S7-1500, or write the blocks in SCL".to_string(),
-        ),
+        Some(profile) if profile.family == Family::S71200 => {
+            let language = plcc_program::language_beyond_s7_1200(units).unwrap_or("STL");
+            (
+                format!("`{}` has no {language}; it runs LAD, FBD and SCL", profile.name),
+                format!("choose a CPU with {language}, such as an S7-1500, or write the blocks in SCL"),
+            )
+        }
         Some(profile) => (
             format!("`{}` is an S7-200, which runs sources of Micro/WIN only", profile.name),
             "choose another CPU; a source of Micro/WIN has instructions such as `LD` and `MOVW`".to_string(),

@@ -22,17 +22,27 @@ pub fn is_s7200(units: &[(FileId, SourceUnit)]) -> bool {
     units.iter().any(|(_, unit)| unit.s7200.is_some())
 }
 
-/// Whether the CPU runs programs in these languages: an S7-1200 has no STL, an S7-200 has its own language.
+/// Whether the CPU runs programs in these languages: an S7-1200 has no STL and no GRAPH, an S7-200 has its own language.
 pub fn runs(profile: &Profile, units: &[(FileId, SourceUnit)]) -> bool {
     match profile.family {
         Family::S7200 => is_s7200(units),
         _ if is_s7200(units) => false,
         Family::S7300 | Family::S7400 | Family::S71500 => true,
-        Family::S71200 => units.iter().flat_map(|(_, unit)| &unit.blocks).all(|block| match block {
-            ast::Block::Code(code) => !matches!(code.code, ast::Code::Stl(_)),
-            ast::Block::Data(_) | ast::Block::Type(_) => true,
-        }),
+        Family::S71200 => language_beyond_s7_1200(units).is_none(),
     }
+}
+
+/// A language of the sources that an S7-1200 does not have. Sequences of PLCopen XML may be for any editor.
+pub fn language_beyond_s7_1200(units: &[(FileId, SourceUnit)]) -> Option<&'static str> {
+    let mut blocks = units.iter().flat_map(|(_, unit)| unit.blocks.iter().map(move |block| (unit, block)));
+    blocks.find_map(|(unit, block)| match block {
+        ast::Block::Code(code) => match &code.code {
+            ast::Code::Stl(_) => Some("STL"),
+            ast::Code::Chart(_) if unit.overlay.is_none() => Some("GRAPH"),
+            ast::Code::Chart(_) | ast::Code::Scl(_) | ast::Code::Graphic(_) => None,
+        },
+        ast::Block::Data(_) | ast::Block::Type(_) => None,
+    })
 }
 
 /// The CPU of sources that name none: the generic S7-200 for those of Micro/WIN; else the generic S7-300, or the S7-400 if an instruction
