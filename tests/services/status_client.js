@@ -46,6 +46,11 @@ async function look(tab) {
     return value.textContent === "-2147483648" && value.getBBox().width < value.room + 1;
   })()`);
 
+  // Constants are drawn, and compared, as their author wrote them.
+  for (const [text, value] of [["TIME#1m_30s", 90000], ["t#1m30s", 90000], ["S5TIME#2s", 2000], ["S5T#2s", 2000], ["int#-7", -7], ["1_000", 1000]]) {
+    await until(tab, text, `${frame}.number(${JSON.stringify(text)}, false) === ${value}`);
+  }
+
   // A value is shown in its type even while the status is off.
   await tab(`document.querySelector("#status-on").click()`);
   await until(tab, "a component of a data block", `${sum}105")`);

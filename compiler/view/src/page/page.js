@@ -316,7 +316,7 @@ const VIEWS = xref
 let shown = null;
 const bit = (v) => (v === "1" || v === "TRUE" ? true : v === "0" || v === "FALSE" ? false : null);
 const isDuration = (t) => /^(L?T(IME)?|S5T(IME)?)#/i.test(t);
-const number = (t, real) => {
+function number(t, real) {
   t = t.replace(/_/g, "");
   const m = /^(16|8|2)#([0-9A-F]+)$/i.exec(t);
   if (m) {
@@ -328,9 +328,9 @@ const number = (t, real) => {
     const parts = [...t.matchAll(/(\d+(?:\.\d+)?)(ms|us|ns|[dhms])/gi)].map(([, count, unit]) => count * { d: 864e5, h: 36e5, m: 6e4, s: 1e3, ms: 1, us: 1e-3, ns: 1e-6 }[unit.toLowerCase()]);
     return parts.length ? parts.reduce((sum, part) => sum + part, 0) * (t.includes("#-") ? -1 : 1) : null;
   }
-  const n = Number(t.replace(/^[A-Z]+#/, ""));
+  const n = Number(t.replace(/^[A-Z]+#/i, ""));
   return t === "" || Number.isNaN(n) ? null : n;
-};
+}
 const all = (vs) => (vs.includes(false) ? false : vs.includes(null) ? null : true);
 const any = (vs) => (vs.includes(true) ? true : vs.includes(null) ? null : false);
 function flow(logic) {
