@@ -157,9 +157,14 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    /// Warns of a long hexadecimal constant for a REAL or LREAL: it looks like the bits of the value, but is a number.
+    /// Warns of a constant in hexadecimal for a REAL or LREAL, which looks like the bits of an ordinary number and is a number itself.
     fn number_for_bits(&mut self, span: Span, value: i128, ty: Elementary) {
-        if value <= i128::from(u16::MAX) {
+        let of_bits = match ty {
+            Elementary::Real => u32::try_from(value).ok().map(|bits| f64::from(f32::from_bits(bits))),
+            _ => u64::try_from(value).ok().map(f64::from_bits),
+        };
+        // Divisors and masks, 16#1_0000 and 16#FFFF_FFFF, are the bits of tiny numbers or of none.
+        if !of_bits.is_some_and(|number| (1e-9..1e12).contains(&number.abs())) {
             return;
         }
         let written = self.program.globals.text(span);
