@@ -349,9 +349,11 @@ fn flatten<'a>(name: &str, value: &'a toml::Value, offset: usize, flat: &mut Vec
 fn range(text: &str) -> Option<String> {
     let (low, high) = text.split_once("..")?;
     let (low, high) = (low.trim().parse::<f64>().ok()?, high.trim_start_matches('.').trim().parse::<f64>().ok()?);
-    let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+    let (middle, half) = ((low + high) / 2.0, (high - low).abs() / 2.0);
     let is_plain = middle.fract() == 0.0 || low.fract() != 0.0 || high.fract() != 0.0;
-    Some(if is_plain { format!("{middle} +- {half}") } else { "50 +- 0.5".to_string() })
+    // The half of 20.7 - 19.5 is 0.6, not 0.5999999999999996.
+    let number = |value: f64| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_string();
+    Some(if is_plain { format!("{} +- {}", number(middle), number(half)) } else { "50 +- 0.5".to_string() })
 }
 
 /// Whether the value is a text, in which each sign is itself.
