@@ -403,7 +403,7 @@ impl Build<'_, '_, '_> {
     }
 }
 
-/// `WORD#16#F`, or a number that is no BOOL, `16#FF0F`.
+/// `WORD#16#F`, or a number that is not a BOOL, `16#FF0F`.
 fn is_word_constant(text: &str) -> bool {
     let text = text.trim().to_ascii_uppercase();
     if ["BYTE#", "WORD#", "DWORD#", "LWORD#"].iter().any(|word| text.starts_with(word)) {
