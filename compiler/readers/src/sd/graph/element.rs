@@ -94,6 +94,7 @@ impl Builder<'_, '_> {
                 let settings = self.settings(&attributes, inline);
                 let eno = settings::eno(row, settings.eno, node.inline.is_some());
                 let mut pins = Pins::of_row(row, negated);
+                pins.is_led = !matches!(before.flow, Flow::Nothing);
                 let mut instance = None;
                 if let Some(span) = operand {
                     let value = self.operand(span);

@@ -21,6 +21,8 @@ pub struct Pins {
     cases: Vec<(usize, Comparison)>,
     /// Names in the arguments, as written.
     named: Vec<String>,
+    /// The rung leads to the element, so its first input is connected.
+    pub is_led: bool,
 }
 
 /// Flow first, then by the table: index of the pin, number of a numbered one.
@@ -36,7 +38,7 @@ impl Pins {
     }
 
     pub fn of_block() -> Pins {
-        Pins { row: None, negated: false, pins: Vec::new(), cases: Vec::new(), named: Vec::new() }
+        Pins { row: None, negated: false, pins: Vec::new(), cases: Vec::new(), named: Vec::new(), is_led: false }
     }
 
     /// The operand before the name of the element.
@@ -160,7 +162,7 @@ impl Builder<'_, '_> {
             && count == arguments.len()
             && arguments.iter().all(|argument| argument.value.is_some())
         {
-            return self.report_unnamed_of_gate(row, &arguments);
+            return self.report_unnamed_of_gate(row, pins.is_led, &arguments);
         }
         let mut branch = 0;
         for argument in arguments {
@@ -349,12 +351,11 @@ impl Builder<'_, '_> {
         );
     }
 
-    /// `A( #a, #b )`
-    fn report_unnamed_of_gate(&mut self, row: &Row, arguments: &[Argument]) {
-        // A single operand is the second input, since the rung feeds the first.
-        let before = if arguments.len() == 1 { 2 } else { 1 };
+    /// `A( #a, #b )`; `is_led`: the rung brings the first input.
+    fn report_unnamed_of_gate(&mut self, row: &Row, is_led: bool, arguments: &[Argument]) {
+        let first = if is_led { 2 } else { 1 };
         let pins =
-            arguments.iter().zip(before..).map(|(argument, at)| format!("in{at} := {}", self.slice(argument.span)));
+            arguments.iter().zip(first..).map(|(argument, at)| format!("in{at} := {}", self.slice(argument.span)));
         let help = format!("write `{}( {} )`", row.name, pins.collect::<Vec<_>>().join(", "));
         let span = arguments[0].span.to(arguments[arguments.len() - 1].span);
         self.report(
