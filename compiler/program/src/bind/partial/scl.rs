@@ -473,10 +473,11 @@ impl Look<'_, '_> {
                     (_, "PV" | "BI" | "CV") => Some(typed(Elementary::Word)),
                     (_, "S" | "R" | "Q" | "CU" | "CD" | "G") => Some(typed(Elementary::Bool)),
                     (_, "K" | "N" | "COUNT" | "COUNT_IN" | "COUNT_OUT" | "DIM") => Some(INT),
-                    // The type of the count says nothing about what is shifted.
-                    ("SHL" | "SHR" | "ROL" | "ROR", _) => match hint {
-                        Some(Hint::Type(_) | Hint::Width(_)) => hint.cloned(),
-                        _ => Some(Hint::Width(Elementary::Word)),
+                    // The count does not say what type is shifted, but `SHR_DINT` does.
+                    ("SHL" | "SHR" | "ROL" | "ROR", _) => match (suffix.map(typed), hint) {
+                        (Some(own), _) => Some(own),
+                        (None, Some(Hint::Type(_) | Hint::Width(_))) => hint.cloned(),
+                        (None, _) => Some(Hint::Width(Elementary::Word)),
                     },
                     ("NORM_X", _) => common.clone(),
                     ("SCALE_X", "VALUE") => Some(typed(Elementary::Real)),
