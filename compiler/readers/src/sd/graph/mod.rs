@@ -123,6 +123,13 @@ impl Builder<'_, '_> {
                     }
                 }
                 Item::Operand(span) if let Some(gate) = gate_of(self.slice(span)) => {
+                    let negation = match items.peek() {
+                        Some(Item::Not(negation)) => Some(*negation),
+                        _ => None,
+                    };
+                    if negation.is_some() {
+                        items.next();
+                    }
                     let operand = match items.peek() {
                         Some(Item::Operand(operand)) => Some(*operand),
                         _ => None,
@@ -130,6 +137,7 @@ impl Builder<'_, '_> {
                     if operand.is_some() {
                         items.next();
                     }
+                    let operand = operand.map(|operand| negation.map_or(operand, |negation| negation.to(operand)));
                     self.report_operator(span, gate, operand);
                     carried.flow = Flow::Lost;
                 }
