@@ -267,8 +267,11 @@ fn an_array_that_a_later_argument_may_change_is_refused() {
                   FUNCTION FC 2 : INT\nBEGIN\n DB2.a[0] := 1;\n FC2 := 2;\nEND_FUNCTION\n\
                   FUNCTION FC 1 : VOID\nBEGIN\n FB1.DB1(a := DB2.a, n := FC2());\nEND_FUNCTION\n";
     let (messages, _) = converted(source);
-    let title = "STL has no form for an array or structure before an argument that calls a function";
+    let title =
+        "STL has no form for an array, structure or text before an argument that calls a function which changes data";
     assert_eq!(messages, [(title.to_string(), "DB2.a".to_string())]);
+    let (messages, _) = converted(&source.replace(" DB2.a[0] := 1;\n", ""));
+    assert_eq!(messages, []);
 }
 
 #[test]

@@ -1,27 +1,55 @@
-//! Arrays and structures at inputs of function blocks: SCL copies each before it evaluates the arguments after it, `CALL` of STL copies all
-//! arguments at once. Source: SCL reference, order of evaluation.
+//! Arrays, structures and texts at inputs of function blocks: SCL copies them before it evaluates the arguments after them, `CALL` of STL at once
+//! with all others. Source: SCL reference, order of evaluation.
 
 use plcc_abi::image::BlockKind;
 use plcc_model::scl::walk::{self, Visitor};
-use plcc_model::scl::{Actual, Argument, Call, Complex};
-use plcc_model::{CodeBlock, Direction, Parameter};
+use plcc_model::scl::{Access, Actual, Argument, Base, Call, Complex, Expr, ExprKind, Statement, StatementKind};
+use plcc_model::{Body, CodeBlock, Direction, Parameter, Place};
 
 use super::Maker;
 
-/// Looks for calls of blocks of the program.
+/// Looks for what may change data outside of a function: assignments, calls, timers and counters.
+struct Changes<'p> {
+    parameters: &'p [Parameter],
+    found: bool,
+}
+
+impl Visitor for Changes<'_> {
+    fn statement(&mut self, statement: &Statement) {
+        let is_inside = |target: &Access| match &target.base {
+            Base::Place(Place::L { .. }) => true,
+            Base::Place(Place::Parameter { parameter, .. }) => {
+                self.parameters.get(*parameter).is_some_and(|formal| formal.name == "RET_VAL")
+            }
+            Base::Place(_) | Base::Indexed { .. } => false,
+        };
+        let is_outside = statement.kind.target().is_some_and(|target| !is_inside(target));
+        self.found |= is_outside || matches!(statement.kind, StatementKind::Stl(_));
+    }
+
+    fn expr(&mut self, value: &Expr) {
+        self.found |= matches!(value.kind, ExprKind::Timer(_) | ExprKind::Counter(_));
+    }
+
+    fn call(&mut self, call: &Call) {
+        self.found |= !call.is_operation;
+    }
+}
+
+/// Looks for calls of functions that may change data.
 struct Calls<'f> {
-    is_own: &'f dyn Fn(&Call) -> bool,
+    may_change_data: &'f dyn Fn(&Call) -> bool,
     found: bool,
 }
 
 impl Visitor for Calls<'_> {
     fn call(&mut self, call: &Call) {
-        self.found |= (self.is_own)(call);
+        self.found |= (self.may_change_data)(call);
     }
 }
 
 impl Maker<'_> {
-    /// Whether an argument after `argument` calls a function of the program, which may change what SCL has copied.
+    /// Whether an argument after `argument` calls a function that may change what SCL has copied.
     pub fn may_change_later(&self, call: &Call, callee: &CodeBlock, formal: &Parameter, argument: &Argument) -> bool {
         let is_copied = matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb) && formal.direction == Direction::Input;
         let mut later = call.arguments.iter().skip_while(|one| one.parameter != argument.parameter).skip(1);
@@ -31,13 +59,14 @@ impl Maker<'_> {
     fn calls_something(&self, actual: &Actual) -> bool {
         match actual {
             Actual::Value(value) | Actual::PointerToValue { value, .. } => {
-                let is_own = |call: &Call| self.is_own(call);
-                let mut calls = Calls { is_own: &is_own, found: false };
+                let may_change_data = |call: &Call| self.may_change_data(call);
+                let mut calls = Calls { may_change_data: &may_change_data, found: false };
                 walk::expr(value, &mut calls);
                 calls.found
             }
             Actual::Complex(Complex::Call(call)) | Actual::PointerToComplex { value: Complex::Call(call), .. } => {
-                self.is_own(call) || call.arguments.iter().any(|argument| self.calls_something(&argument.actual))
+                self.may_change_data(call)
+                    || call.arguments.iter().any(|argument| self.calls_something(&argument.actual))
             }
             Actual::Complex(_)
             | Actual::PointerToComplex { .. }
@@ -52,8 +81,17 @@ impl Maker<'_> {
         }
     }
 
-    /// Functions of the library change nothing but their outputs.
-    fn is_own(&self, call: &Call) -> bool {
-        self.program.block(call.target).is_none_or(|block| !block.library)
+    /// Functions of the library change nothing but their outputs, and neither do those of the program that only compute a value.
+    fn may_change_data(&self, call: &Call) -> bool {
+        let Some(block) = self.program.block(call.target) else { return true };
+        let changes_data = || match &block.body {
+            Body::Scl(body) => {
+                let mut changes = Changes { parameters: &block.interface.parameters, found: false };
+                walk::statements(&body.statements, &mut changes);
+                changes.found
+            }
+            Body::Stl(_) | Body::S7200(_) | Body::Runtime => true,
+        };
+        !block.library && changes_data()
     }
 }
