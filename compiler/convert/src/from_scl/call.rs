@@ -345,7 +345,8 @@ impl Maker<'_> {
                     return self.no_actual(argument.span);
                 }
                 if self.may_change_later(call, callee, formal, argument) {
-                    let what = "an array, structure or text before an argument that calls a function which changes data";
+                    let what =
+                        "an array, structure or text before an argument that calls a function which changes data";
                     self.refuse(argument.span, what, "call the function in a statement before this one");
                     return None;
                 }
