@@ -201,7 +201,8 @@ const HOW = { r: "reads", w: "writes", c: "calls", R: "reads", W: "writes", RW: 
 const idOf = (u) => data.pages[pageOf(u.block, u.block_name)]?.id ?? u.block;
 const crossUse = (u) => linkTo(`${esc(idOf(u))}${u.network ? ", network " + u.network : ""}: ${HOW[u.access]}${u.statement ? ` <code>${esc(u.statement)}</code>` : ""}`, u.block, u.block_name, u.network);
 function uses(text, name = text) {
-  text = text.replace(/^([TC]\d+)\.VALUE$/, "$1");
+  // A slice uses its variable.
+  text = text.replace(/^([TC]\d+)\.VALUE$/, "$1").replace(/\.(%[XBWD]\d+)?$/i, "");
   const i = byName.get(fold(text));
   if (i !== undefined) return go(i);
   const key = keyOf(text), r = range(key), how = HOW;

@@ -28,7 +28,7 @@ pub fn uses(book: &Book, names: &Names, local_only: bool) -> Value {
                 }
             };
             match &section.content {
-                Body::Drawing { sheet, .. } => of_sheet(sheet, &mut add),
+                Body::Drawing { sheet, .. } => of_sheet(sheet, names, page.scope, &mut add),
                 Body::Text(listing) => of_text(&listing.lines, listing.kind, names, page.scope, &mut add),
             }
         }
@@ -41,9 +41,14 @@ pub fn uses(book: &Book, names: &Names, local_only: bool) -> Value {
     Value::Object(uses.collect())
 }
 
-fn of_sheet(sheet: &Sheet, add: &mut dyn FnMut(&str, &str, char)) {
+fn of_sheet(sheet: &Sheet, names: &Names, scope: Scope, add: &mut dyn FnMut(&str, &str, char)) {
     let mut known = |label: &Label, how: char| {
-        if !label.key.is_empty() {
+        if label.key.is_empty() {
+            // The value of a slice is not that of its variable.
+            if let Some(key) = without_slice(&label.text).and_then(|whole| names.key(whole, scope)) {
+                add(&key, &label.text, how);
+            }
+        } else {
             let cell = label.key.strip_suffix(".VALUE").filter(|key| is_cell(key));
             add(cell.unwrap_or(&label.key), &label.text, how);
         }
@@ -81,7 +86,8 @@ fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut 
                 let (mnemonic, operands) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
                 let how = if WRITES.contains(&mnemonic) { 'w' } else { 'r' };
                 for operand in operands.split([',', ';', '(', ')', '=']).filter(|operand| !operand.trim().is_empty()) {
-                    if let Some(key) = names.key(operand, scope) {
+                    let whole = without_slice(operand).unwrap_or(operand);
+                    if let Some(key) = names.key(whole, scope) {
                         add(&key, operand, how);
                     }
                 }
@@ -91,7 +97,8 @@ fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut 
                 for (part, how) in [(left, 'w'), (right, 'r')] {
                     for word in words(part) {
                         let is_name = word.starts_with(['"', '#', '%']) || canonical(word, scope.german).is_some();
-                        if let Some(key) = names.key(word, scope).filter(|_| is_name || word.contains('.')) {
+                        let whole = without_slice(word).unwrap_or(word);
+                        if let Some(key) = names.key(whole, scope).filter(|_| is_name || word.contains('.')) {
                             add(&key, word, how);
                         }
                     }
@@ -99,6 +106,13 @@ fn of_text(lines: &[String], kind: Kind, names: &Names, scope: Scope, add: &mut 
             }
         }
     }
+}
+
+/// The variable of which `text` is a slice: `#w` of `#w.%B1`. `None`: it is not a slice, as `DB1.%DBX0.0` is not.
+fn without_slice(text: &str) -> Option<&str> {
+    let (whole, slice) = text.trim().rsplit_once(".%")?;
+    let number = slice.strip_prefix(['X', 'B', 'W', 'D', 'x', 'b', 'w', 'd'])?;
+    (!number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())).then_some(whole)
 }
 
 /// Names and addresses of a line of SCL.
@@ -111,4 +125,23 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
         !(quoted || c.is_alphanumeric() || matches!(c, '"' | '#' | '%' | '.' | '_'))
     })
     .filter(|word| !word.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slices_are_uses_of_their_variables() {
+        assert_eq!(without_slice("#w.%B1"), Some("#w"));
+        assert_eq!(without_slice("\"D\".w.%x15 "), Some("\"D\".w"));
+        assert_eq!(without_slice("%MW10.%X0"), Some("%MW10"));
+        assert_eq!([without_slice("#w"), without_slice("DB1.%DBX0.0"), without_slice("DB1.%DBW2")], [None; 3]);
+
+        let mut found = Vec::new();
+        let mut add = |key: &str, _: &str, how: char| found.push((key.to_string(), how));
+        let lines = ["#y := #w.%B1;".to_string()];
+        of_text(&lines, Kind::Scl, &Names::default(), Scope::default(), &mut add);
+        assert_eq!(found, [("#y".to_string(), 'w'), ("#w".to_string(), 'r')]);
+    }
 }
