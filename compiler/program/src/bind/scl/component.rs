@@ -79,6 +79,12 @@ impl SclBinder<'_, '_> {
             Thing::Block { prefix: prefix @ (BlockPrefix::Fc | BlockPrefix::Sfc), number: Number::Known(number) } => {
                 let text = self.before_point(name, span);
                 let base = Span { end: span.start + text.len() as u32, ..span };
+                // A name in quotes is one of the program, also where the library has a function of that name.
+                let bare = text.trim_matches('"');
+                if text.starts_with('"') && !self.program.globals.names.symbols.contains_key(&fold(bare)) {
+                    self.program.globals.unknown_name(bare, base, std::iter::empty());
+                    return None;
+                }
                 let bound = self.program.interface(BlockKey { kind: code_kind(prefix)?, number }, base)?;
                 let is_meant = |parameter: &&Parameter| fold(&parameter.name) == fold(&name.text);
                 let parameter = bound.interface.parameters.iter().find(is_meant);

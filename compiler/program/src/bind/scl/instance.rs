@@ -69,6 +69,9 @@ impl SclBinder<'_, '_> {
                     return None;
                 }
             },
+            Some((BlockPrefix::Fc | BlockPrefix::Sfc, _)) if self.undefined_instance(ctx, base, &name.text) => {
+                return None;
+            }
             Some((BlockPrefix::Fc | BlockPrefix::Sfc, _)) => {
                 let (function, whole) = (self.program.globals.text(base.span), self.program.globals.text(node.span));
                 self.program.report(
@@ -102,7 +105,7 @@ impl SclBinder<'_, '_> {
         }
     }
 
-    /// Reports `"Wait".TON(…)` where nothing has the name or one that resembles it; false: the base may be defined.
+    /// Reports `"Wait".TON(…)` where nothing of the program has the name or one that resembles it; false: the base may be defined.
     fn undefined_instance(&mut self, ctx: &SclBlock, base: &Node, asked: &str) -> bool {
         const NAMED_BY_THE_PORTAL: [&str; 2] = ["iec_timer_", "iec_counter_"];
         let NodeKind::Name(instance) = &base.kind else { return false };
