@@ -171,13 +171,20 @@ const isUsed = (k) => cross.has(k) || data.uses[k] !== undefined;
 const ranges = [...cross.keys(), ...Object.keys(data.uses)].map((k) => [k, range(k)]).filter((r) => r[1]);
 // Addresses by names of components of data blocks: those that the program uses, and those on the pages of the blocks.
 const memberOf = new Map();
+// The variables that an address of a data block is, as the uses of their function blocks have them: "FB 1#n". The data block may be an
+// instance, and have instances in it.
+const variablesOf = new Map();
+const blockOf = (type) => { const p = data.pages[byName.get(fold(type))]; return p && /^FB /.test(p.id) ? p.id : undefined; };
 // By address, the name with which a value is shown in its type.
 const typedName = new Map(data.symbols.map(([address, name]) => [address, `"${name}"`]));
 for (const p of data.pages) if (/^DB \d+$/.test(p.id)) {
-  const path = [];
+  const path = [], blocks = [], own = blockOf(/^Type: (.*)$/m.exec(p.comment)?.[1]);
   p.rows.forEach(([, name, type, , , address, depth], i) => {
-    path.length = depth;
+    path.length = blocks.length = depth;
     path.push(name);
+    const variables = [own, ...blocks].flatMap((block, at) => (block ? [`${block}#${path.slice(at).join(".")}`] : []));
+    if (address && variables.length) variablesOf.set(address, [...(variablesOf.get(address) ?? []), ...variables]);
+    blocks.push(blockOf(type));
     for (const db of [p.name, p.id]) if (db && address) memberOf.set(fold(`${db}.${path.join(".")}`), address);
     const hasParts = p.rows[i + 1]?.[6] > depth || /^ARRAY/.test(type);
     if (address && !hasParts) typedName.set(address, [p.name ? `"${p.name}"` : p.id.replace(" ", ""), ...path.map((part) => `"${part}"`)].join("."));
@@ -208,8 +215,10 @@ function uses(text, name = text) {
   const key = keyOf(text), r = range(key), how = HOW;
   const rows = (k) => (cross.get(k)?.uses ?? []).map(crossUse).join("") + (data.uses[k] ?? []).map(([p, s, h]) => `<a data-page="${p}" data-sec="${s}">${esc(data.pages[p].id)}${data.pages[p].secs[s].n ? ", network " + data.pages[p].secs[s].n : ""}: ${how[h]}</a>`).join("");
   let h = `<span class="x">✕</span><b>${esc(symbolOf.get(key) || cross.get(key)?.symbol || name)}</b> ${esc(key.replace(/^[A-Z]+ \d+#/, "#"))}${rows(key)}`;
+  const variables = (variablesOf.get(key) ?? []).filter((k) => data.uses[k]);
+  h += variables.map(rows).join("");
   if (r) for (const [k, o] of ranges) if (k !== key && o[0] === r[0] && o[1] < r[2] && r[1] < o[2]) h += `<br><b>overlaps ${esc(k)}</b> ${esc(symbolOf.get(k) ?? "")}${rows(k)}`;
-  if (!isUsed(key)) h += "<br>no uses";
+  if (!isUsed(key) && !variables.length) h += "<br>no uses";
   $("#uses").innerHTML = h;
   $("#uses").hidden = false;
 }
