@@ -18,6 +18,7 @@ use crate::bind::declarations::Declarations;
 use crate::bind::declarations::typed::Use;
 use crate::bind::scl::value::Value;
 use crate::bind::scl::{SclBinder, SclBlock};
+use crate::bind::trees::chart_data::is_step_or_transition;
 use plcc_binding::constant::Constant;
 use plcc_binding::fold;
 use plcc_binding::report::Report;
@@ -229,7 +230,7 @@ impl<'a> Look<'_, 'a> {
         };
         // The data of a step or transition as a whole are not a value: `"Start"` is a symbol.
         let is_step = ctx.scope.address_numbers
-            && ctx.block.bound.locals.get(&fold(text)).is_some_and(|local| matches!(local.ty, DataType::Struct(_)));
+            && ctx.block.bound.locals.get(&fold(text)).is_some_and(|local| is_step_or_transition(&local.ty));
         match name.form {
             NameForm::Local => return local.then(|| Start::Local(text.to_string())),
             NameForm::Bare if local => return Some(Start::Local(text.to_string())),

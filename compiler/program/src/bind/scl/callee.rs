@@ -18,6 +18,7 @@ use super::function::Named;
 use crate::bind::globals::names::{code_kind, kind_prefix};
 use crate::bind::scl::{SclBinder, SclBlock};
 use crate::bind::trees::SYSTEM_FILE;
+use crate::bind::trees::chart_data::is_step_or_transition;
 
 /// The library block with the name of a function. One name can mean different blocks in STEP 7 V5 and in the TIA Portal.
 pub fn library_block(rules: Rules, name: &str) -> Option<&'static SystemBlock> {
@@ -147,7 +148,7 @@ impl SclBinder<'_, '_> {
         let folded = fold(&name.text);
         name.form == NameForm::Quoted
             && ctx.scope.address_numbers
-            && ctx.block.bound.locals.get(&folded).is_some_and(|local| matches!(local.ty, DataType::Struct(_)))
+            && ctx.block.bound.locals.get(&folded).is_some_and(|local| is_step_or_transition(&local.ty))
             && !self.program.globals.names.constants.contains_key(&folded)
             && self.program.globals.global(&name.text).is_none()
     }

@@ -2,6 +2,7 @@
 //! Source: GRAPH reference, chapter F.
 
 use plcc_diag::Span;
+use plcc_model::types::DataType;
 use plcc_syntax::ParseOptions;
 use plcc_syntax::ast::{self, InitialKind, InitialValue, Section, SectionKind, TypeKind, TypeRef, Variable};
 use plcc_syntax::chart::ast::{Body as Chart, Dialect, Settings, StepData};
@@ -193,6 +194,12 @@ fn step_type(dialect: Dialect, step: &plcc_syntax::chart::ast::Step) -> TypeKind
         member.initial = value.map(initial).or(member.initial.take());
     }
     TypeKind::Struct(members)
+}
+
+/// Whether data of this type are those of a step or transition.
+pub fn is_step_or_transition(ty: &DataType) -> bool {
+    let DataType::Struct(structure) = ty else { return false };
+    structure.members.iter().any(|member| matches!(member.name.as_str(), "SNO" | "TNO"))
 }
 
 /// The type that a name of the TIA Portal means: `G7_StepPlus_V6`, `G7_TransitionPlus_V4`; `G7_RTDataPlus_V5` with the parts that a program can name.
