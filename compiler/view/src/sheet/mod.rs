@@ -141,7 +141,7 @@ impl Label {
     }
 
     /// The label of an operand that is a word: of a timer or counter its current value, not its bit.
-    fn as_word(self) -> Label {
+    fn into_word(self) -> Label {
         if is_cell(&self.key) { Label { key: format!("{}.VALUE", self.key), ..self } } else { self }
     }
 

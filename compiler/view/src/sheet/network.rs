@@ -107,7 +107,7 @@ fn part(element: &Element, language: Language, words: &Words) -> Part {
             PinValue::Operand(value) => {
                 let mut label = (words.label)(value);
                 if of_words && !is_flow {
-                    label = label.as_word();
+                    label = label.into_word();
                 }
                 match pin.storage {
                     Storage::None => {}

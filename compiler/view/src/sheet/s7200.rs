@@ -37,7 +37,7 @@ pub fn sheet(
             StatementKind::Instruction { insn, operands, .. } => {
                 maker.flows = operands.iter().map(|operand| maker.wire(operand)).collect();
                 let labelled = |(at, operand): (usize, &Operand)| match insn.operands().get(at) {
-                    Some(class) if is_word(*class) => label(operand).as_word(),
+                    Some(class) if is_word(*class) => label(operand).into_word(),
                     _ => label(operand),
                 };
                 let labels: Vec<Label> = operands.iter().enumerate().map(labelled).collect();

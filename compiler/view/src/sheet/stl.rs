@@ -189,7 +189,7 @@ impl Maker<'_> {
                 if self.loaded.len() == 2 {
                     return Err("loads a third value".to_string());
                 }
-                self.loaded.push(label.ok_or("has no operand")?.as_word());
+                self.loaded.push(label.ok_or("has no operand")?.into_word());
                 Ok(())
             }
             Transfer => {
