@@ -258,6 +258,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     let tables_beside = project.as_ref().map(|project| project.tables_beside.clone()).unwrap_or_default();
     let of_cpu = project.as_ref().map(|project| project.of_cpu.clone()).unwrap_or_default();
     let axis_names = project.as_ref().map(|project| project.axis_names.clone()).unwrap_or_default();
+    let named_obs = project.as_ref().map(|project| project.named_obs.clone()).unwrap_or_default();
     let cpu_order = order_of(settings, project.as_ref(), &profile);
     let input = BindInput {
         name,
@@ -277,7 +278,7 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     };
     // Programs of the S7-200 share nothing with those of the other families.
     let is_s7200 = plcc_program::is_s7200(&units);
-    let program = if partial {
+    let mut program = if partial {
         let completed = match is_s7200 {
             true => plcc_program_s7200::complete(&input),
             false => plcc_program::complete(&input),
@@ -303,9 +304,11 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         diagnostics.extend(names.check(&plcc_lower::names_of(&program, &sources)));
         diagnostics.extend(names.check_blocks(|number| program.db(number).is_some()));
     }
-    if !partial && diagnostics.iter().all(|message| message.severity != Severity::Error) {
+    let is_whole = !partial && diagnostics.iter().all(|message| message.severity != Severity::Error);
+    if is_whole {
         diagnostics.extend(cpu_settings::without_block(&of_cpu, &program));
     }
+    diagnostics.extend(project::set_named(&named_obs, &of_cpu, is_whole, &mut program));
     name_tables(&mut diagnostics, &tables_beside);
     axes::show_headings(&mut diagnostics, &axis_names, &sources);
     // A use of a symbol shows the row that cannot be read.

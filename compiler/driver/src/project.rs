@@ -24,6 +24,7 @@ use crate::s7200;
 use crate::services;
 use crate::station::{self, Station};
 use crate::technology;
+pub use blocks::{NamedOb, set_named};
 use keys::{ExceededKey, Keys, MnemonicsKey, StartupKey};
 
 /// Name of the file that makes a folder a project.
@@ -42,6 +43,8 @@ pub struct Project {
     pub sources: Option<Vec<(String, Span)>>,
     pub symbols: Vec<(String, Span)>,
     pub config: Config,
+    /// Settings of organization blocks by their names, made after binding.
+    pub named_obs: Vec<NamedOb>,
     pub station: Option<Station>,
     /// Parts may be missing.
     pub partial: bool,
@@ -190,8 +193,9 @@ impl Context {
             self.note_of_cpu(CpuSetting::Cold, key.span());
         }
         let hot = keys.startup.filter(|_| config.startup == 101).map(|key| Span::new(self.file, key.span()));
+        let mut named_obs = Vec::new();
         for (number, ob) in &keys.ob {
-            self.organization_block(number, ob, &mut config);
+            named_obs.extend(self.organization_block(number, ob, &mut config));
         }
         let (technology, messages) =
             technology::read(&keys.hsc, &keys.pulse, &keys.hardware_interrupt, self.file, &mut config);
@@ -262,6 +266,7 @@ impl Context {
             symbols: keys.symbols.into_iter().map(place).collect(),
             partial: keys.partial,
             config,
+            named_obs,
             station,
             technology,
             axes,
@@ -394,7 +399,8 @@ outputs = { start = 0, bytes = 1 }
         assert_eq!(line("\ncycle_time_max = \"7s\"\n"), Some(2));
         assert_eq!(line("[ob.35]\n\nperiod = \"fast\"\n"), Some(3));
         assert_eq!(line("[ob.1]\nperiod = \"1s\"\n"), Some(2));
-        assert_eq!(line("[ob.main]\npriority = 3\n"), Some(1));
+        assert_eq!(line("[ob.0]\npriority = 3\n"), Some(1));
+        assert_eq!(line("[ob.main]\npriority = 3\n"), None);
         assert_eq!(line("[ob.10]\nstart = \"soon\"\n"), Some(2));
         assert_eq!(line("[ob.35]\nevery = \"day\"\n"), Some(2));
         assert_eq!(line("[ob.35]\nclass = \"cyclic\"\n"), Some(2));

@@ -1,13 +1,71 @@
 //! The settings of organization blocks: periods and phases, priorities, times of day.
 
-use plcc_abi::image::{Config, TimeOfDay};
+use std::ops::Range;
+
+use plcc_abi::image::{BlockKind, Config, TimeOfDay};
 use plcc_abi::ob::{OB_CLASSES, OB_FREE, OB_NUMBER_MAX, ObClass};
+use plcc_binding::similar;
+use plcc_diag::{Code, Diagnostic, FileId, Severity, Span};
+use plcc_model::Program;
 use toml::Spanned;
 
 use super::Context;
 use super::keys::ObKeys;
-use crate::cpu_settings::CpuSetting;
+use crate::cpu_settings::{self, CpuSetting};
 use crate::keys::one_of;
+
+/// `[ob."PID_Loop"]`: the settings of an organization block whose number is known when names are.
+#[derive(Clone, Debug)]
+pub struct NamedOb {
+    file: FileId,
+    name: Spanned<String>,
+    keys: ObKeys,
+}
+
+/// Gives the organization blocks of a program the settings that plc.toml has for their names. `settings`: those of numbers. `is_whole`: a name
+/// that no block has is a mistake.
+pub fn set_named(
+    named: &[NamedOb],
+    settings: &[(CpuSetting, Span)],
+    is_whole: bool,
+    program: &mut Program,
+) -> Vec<Diagnostic> {
+    let mut messages = Vec::new();
+    for NamedOb { file, name, keys } in named {
+        let text = name.get_ref().as_str();
+        let obs = || program.blocks.iter().filter(|block| block.kind == BlockKind::Ob);
+        let Some(ob) = obs().find(|block| block.name.eq_ignore_ascii_case(text)).map(|block| block.number) else {
+            if is_whole {
+                let names = obs().map(|block| block.name.as_str()).filter(|name| !name.is_empty());
+                let help = match similar(text, names) {
+                    Some(near) => format!("is `[ob.\"{near}\"]` meant?"),
+                    None => "write the name of an organization block, or its number, as in `[ob.35]`".to_string(),
+                };
+                let title = format!("the program has no organization block `{text}`");
+                let mut message = Diagnostic::new(Code::Project, Span::new(*file, name.span()), title)
+                    .label("these settings have no effect")
+                    .help(help);
+                message.severity = Severity::Warning;
+                messages.push(message);
+            }
+            continue;
+        };
+        let mut context = Context { file: *file, of_cpu: Vec::new(), diagnostics: Vec::new() };
+        if settings.iter().any(|(other, _)| *other == CpuSetting::Ob(ob)) {
+            let title = format!("`{text}` is OB {ob}, which has settings below `[ob.{ob}]` too");
+            context.report(name.span(), title, "write them below one heading");
+        }
+        if let Some(class) = &keys.class {
+            let help = "remove `class`, and give the block the attribute `S7_EventClass`, such as 'CyclicInterrupt'";
+            context.report(class.span(), format!("the block `{text}` itself says its class"), help);
+        }
+        let class = program.config.class_of(ob);
+        context.block_settings(ob, name.span(), class, keys, &mut program.config);
+        messages.extend(context.diagnostics);
+        messages.extend(cpu_settings::check(&context.of_cpu, &program.profile));
+    }
+    messages
+}
 
 /// Codes of SFC 28 for the words of `every`. Source: SFC reference, SET_TINT.
 const TIME_OF_DAY_PERIODS: [(&str, u16); 8] = [
@@ -22,24 +80,49 @@ const TIME_OF_DAY_PERIODS: [(&str, u16); 8] = [
 ];
 
 impl Context {
-    /// Reads the settings of one organization block.
-    pub(super) fn organization_block(&mut self, number: &Spanned<String>, keys: &ObKeys, config: &mut Config) {
+    /// Reads the settings of one organization block; those of one with a name are returned.
+    pub(super) fn organization_block(
+        &mut self,
+        number: &Spanned<String>,
+        keys: &ObKeys,
+        config: &mut Config,
+    ) -> Option<NamedOb> {
         let Ok(ob @ 1..=OB_NUMBER_MAX) = number.get_ref().parse::<u16>() else {
-            let title = format!("`{}` is not a number of an organization block", number.get_ref());
+            let text = number.get_ref().as_str();
+            let is_prefix = |letters: &&str| letters.eq_ignore_ascii_case("ob");
+            let rest = text.get(..2).filter(is_prefix).map_or(text, |_| &text[2..]);
+            if rest.contains(char::is_alphabetic) {
+                return Some(NamedOb { file: self.file, name: number.clone(), keys: keys.clone() });
+            }
+            let title = format!("`{text}` is not a number of an organization block");
             // `[ob.OB35]`
-            let digits = number.get_ref().trim_start_matches(|c: char| !c.is_ascii_digit()).trim_end();
+            let digits = text.trim_start_matches(|c: char| !c.is_ascii_digit()).trim_end();
             let meant = digits.parse::<u16>().ok().filter(|ob| (1..=OB_NUMBER_MAX).contains(ob));
             let help = match meant {
                 Some(ob) => format!("write `[ob.{ob}]`"),
                 None => "write the number of the block, as in `[ob.35]`".to_string(),
             };
-            return self.report(number.span(), title, &help);
+            self.report(number.span(), title, &help);
+            return None;
         };
-        self.note_of_cpu(CpuSetting::Ob(ob), number.span());
-        let class = keys.class.as_ref().and_then(|class| self.class(ob, class));
-        config.ob_classes.extend(class.map(|class| (ob, class)));
+        let own = keys.class.as_ref().and_then(|class| self.class(ob, class));
+        config.ob_classes.extend(own.map(|class| (ob, class)));
+        self.block_settings(ob, number.span(), own.or(ObClass::of_number(ob)), keys, config);
+        None
+    }
+
+    /// Reads the settings of OB `ob`, whose heading is at `place`.
+    fn block_settings(
+        &mut self,
+        ob: u16,
+        place: Range<usize>,
+        class: Option<ObClass>,
+        keys: &ObKeys,
+        config: &mut Config,
+    ) {
+        self.note_of_cpu(CpuSetting::Ob(ob), place);
         // Without a class here, that of the block counts.
-        let may_be = |wanted: ObClass| match class.or(ObClass::of_number(ob)) {
+        let may_be = |wanted: ObClass| match class {
             Some(class) => class == wanted,
             None => ob >= OB_FREE,
         };
@@ -52,11 +135,13 @@ impl Context {
                 self.report(time.span(), format!("OB {ob} is not cyclic"), help);
             } else if let Some(ms) = self.duration(time, if is_phase { 0..=60_000 } else { 1..=60_000 }) {
                 let list = if is_phase { &mut config.cyclic_phase_ms } else { &mut config.cyclic_period_ms };
+                // Blocks with names have a usual period.
+                list.retain(|(number, _)| *number != ob);
                 list.push((ob, ms));
             }
         }
         if let Some(priority) = &keys.priority {
-            self.note_of_cpu(CpuSetting::Priority(ob, class.or(ObClass::of_number(ob))), priority.span());
+            self.note_of_cpu(CpuSetting::Priority(ob, class), priority.span());
             config.priorities.extend(self.number(priority, 2..=24, "a priority").map(|priority| (ob, priority)));
         }
         match (&keys.start, &keys.every) {

@@ -83,7 +83,7 @@ pub(super) enum ExceededKey {
 }
 
 /// `[ob.N]`.
-#[derive(Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ObKeys {
     pub(super) class: Option<Spanned<String>>,

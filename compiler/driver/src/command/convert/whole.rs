@@ -1,5 +1,6 @@
 //! `plcc convert --to plcopen`: a whole program as one document.
 
+use plcc_abi::image::Config;
 use plcc_abi::ob::CYCLIC_PERIOD_MS;
 use plcc_convert::own_types::OwnTypes;
 use plcc_convert::plcopen::{self, Settings, Unit};
@@ -41,13 +42,14 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
     let mut files = Vec::new();
     if messages.is_empty() {
         // Names and types decide what a statement means, so the program must be whole.
-        if let Err(code) = bound(args, &parsed, None) {
-            return code;
-        }
+        let config = match bound(args, &parsed, None) {
+            Ok(bound) => bound.program.config,
+            Err(code) => return code,
+        };
         let name = parsed.project.as_ref().and_then(|project| project.name.clone());
         let folder =
             args.inputs.first().and_then(|path| path.file_stem()).map(|name| name.to_string_lossy().into_owned());
-        let (text, found) = document(&parsed, &name.or(folder).unwrap_or_default());
+        let (text, found) = document(&parsed, &config, &name.or(folder).unwrap_or_default());
         messages.extend(found);
         let name = args.inputs.first().map_or_else(String::new, |path| path.to_string_lossy().into_owned());
         files.push(Converted { name, text, beside: Vec::new() });
@@ -60,14 +62,13 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
     store(args, Some(ConvertTo::Plcopen.extension()), &files, &[]).err().unwrap_or(exit::OK)
 }
 
-/// The document of a parsed program, and messages.
-pub fn document(parsed: &pipeline::Parsed, name: &str) -> (String, Vec<Diagnostic>) {
-    let config = parsed.project.as_ref().map(|project| &project.config);
+/// The document of a parsed program, and messages. `config`: the settings with which it is bound.
+pub fn document(parsed: &pipeline::Parsed, config: &Config, name: &str) -> (String, Vec<Diagnostic>) {
     let cpu = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
     let named = cpu.and_then(|(name, _)| profile::lookup(name));
     let family = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units)).family;
     let period_ms = |ob: u16, has_own_name: bool| {
-        let set = config.and_then(|config| config.cyclic_period_ms.iter().find(|(number, _)| *number == ob));
+        let set = config.cyclic_period_ms.iter().find(|(number, _)| *number == ob);
         match set {
             Some((_, ms)) => *ms,
             None if has_own_name && family.is_portal() => CYCLIC_PERIOD_MS,
