@@ -274,6 +274,29 @@ fn an_array_that_a_later_argument_may_change_is_refused() {
     assert_eq!(messages, []);
 }
 
+/// SCL passes the element itself, STL a copy, which does not show what the function does to the array.
+#[test]
+fn an_element_of_an_array_that_the_function_uses_is_refused() {
+    let source = |of_function: &str| {
+        format!(
+            "DATA_BLOCK DB 2\nSTRUCT\n i : INT;\n b : ARRAY[0..1] OF INT;\n a : ARRAY[0..1] OF INT;\n c : INT;\nEND_STRUCT\nBEGIN\n\
+             END_DATA_BLOCK\nFUNCTION FC 3 : VOID\nBEGIN\n DB2.{of_function} := 1;\nEND_FUNCTION\n\
+             FUNCTION FC 2 : VOID\nVAR_IN_OUT\n io : INT;\nEND_VAR\nBEGIN\n io := 5;\n FC3();\n io := io + 1;\nEND_FUNCTION\n\
+             FUNCTION FC 1 : VOID\nBEGIN\n FC2(io := DB2.a[DB2.i]);\nEND_FUNCTION\n"
+        )
+    };
+    let title = "STL has no form for an element of an array that the function uses by its name, too";
+    for of_function in ["a[1]", "a[DB2.i]"] {
+        let (messages, _) = converted(&source(of_function));
+        let told = messages.iter().find(|(told, _)| told == title);
+        assert!(told.is_some_and(|(_, place)| place.ends_with("DB2.a[DB2.i]")), "{of_function}: {messages:?}");
+    }
+    for of_function in ["b[1]", "b[DB2.i]", "c"] {
+        let (messages, _) = converted(&source(of_function));
+        assert!(messages.iter().all(|(told, _)| told != title), "{of_function}: {messages:?}");
+    }
+}
+
 #[test]
 fn comments_stay_in_their_branch() {
     let source = "FUNCTION FC 1 : INT\nVAR_INPUT\n x : INT;\nEND_VAR\nBEGIN\n// limits\nIF x > 5 THEN\n // high\n FC1 := 1;\n\

@@ -13,6 +13,7 @@ use plcc_syntax::stl::StlInsn;
 
 use super::Maker;
 use super::address::Target;
+use super::alias;
 use super::number_text;
 use super::text::{TEXT_MAX, TextInstruction, is_passed};
 use crate::to_stl::library::is_block;
@@ -321,9 +322,15 @@ impl Maker<'_> {
                         return Some(named.operand);
                     }
                 }
+                let is_instance = matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb);
+                let is_copy = !is_instance && back.is_none() && !access.indices.is_empty();
+                if is_copy && alias::uses_array(self.program, callee, access) {
+                    let what = "an element of an array that the function uses by its name, too";
+                    self.refuse(argument.span, what, "STL passes a copy: pass a variable, or the index instead");
+                    return None;
+                }
                 let from = self.temporary(ty);
                 let target = self.target(access, false)?;
-                let is_instance = matches!(callee.kind, BlockKind::Fb | BlockKind::Sfb);
                 let has_same_bits = matches!(back, None | Some(Conversion::Bits { .. }));
                 backs.push(Back {
                     parameter: argument.parameter,

@@ -15,6 +15,7 @@
 //! Source: SCL reference, statements and operators; STL reference.
 
 mod address;
+mod alias;
 mod call;
 mod cell;
 mod character;
