@@ -12,6 +12,9 @@ pub const NS_PER_S: i64 = 1_000_000_000;
 /// Where the wall clock of the virtual clock starts: 1994-01-01 00:00:00, as an S7 CPU without a backed-up clock.
 pub const VIRTUAL_START: i64 = 757_382_400 * NS_PER_S;
 
+/// The last DATE, 2168-12-31, in days since 1990-01-01. Source: STL reference, DATE.
+pub const DATE_MAX: u16 = 65_378;
+
 /// What is wrong with a DATE_AND_TIME.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DateTimeError {

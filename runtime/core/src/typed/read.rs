@@ -120,8 +120,10 @@ pub fn parse(text: &str, wanted: ValueType) -> Result<Value, String> {
         }
         AssertType::Date => {
             let days = Date::parse(body).filter(|_| is_own).and_then(|date| date.days_since(1990)).ok_or_else(wrong)?;
-            let days = u16::try_from(days).map_err(|_| outside(text, ty, [0, 0xFFFF]))?;
-            Ok(Value::Bits(days.into()))
+            match days > u32::from(datetime::DATE_MAX) {
+                true => Err(outside(text, ty, [0, datetime::DATE_MAX.into()])),
+                false => Ok(Value::Bits(days.into())),
+            }
         }
         AssertType::TimeOfDay | AssertType::Ltod => {
             let is_clock = prefix.is_none_or(|prefix| matches!(prefix, AssertType::TimeOfDay | AssertType::Ltod));
@@ -288,12 +290,13 @@ mod tests {
         let long = parse("'abcdef'", ValueType { ty: AssertType::Text, length: 5 });
         assert_eq!(long, Err("`'abcdef'` has 6 characters; there is room for 5".to_string()));
         for (text, ty, ends) in [
-            ("D#2200-01-01", AssertType::Date, "DATE, which goes from D#1990-01-01 to D#2169-06-06"),
+            ("D#2169-01-01", AssertType::Date, "DATE, which goes from D#1990-01-01 to D#2168-12-31"),
             ("S5T#3h", AssertType::S5Time, "S5TIME, which goes from S5T#0ms to S5T#2h46m30s"),
             ("T#30d", AssertType::Time, "TIME, which goes from T#-24d20h31m23s648ms to T#24d20h31m23s647ms"),
         ] {
             assert_eq!(parse(text, ValueType::of(ty)), Err(format!("`{text}` does not fit into {ends}")));
         }
+        assert_eq!(parse("D#2168-12-31", ValueType::of(AssertType::Date)), Ok(Value::Bits(65_378)));
         let large = parse("70000", ValueType::of(AssertType::Signed(16)));
         assert_eq!(large, Err("`70000` does not fit into INT, which goes from -32768 to 32767".to_string()));
     }

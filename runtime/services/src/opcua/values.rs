@@ -459,12 +459,10 @@ fn encode(ty: ValueType, value: &Scalar) -> Result<Data, Status> {
     }
     /// Of a day.
     const MS: u32 = 86_400_000;
-    /// 2168-12-31.
-    const DATE_MAX: u16 = 65_378;
     let is_in_range = match (ty.ty, value) {
         (AssertType::TimeOfDay, Scalar::UInt32(ms)) => *ms < MS,
         (AssertType::Ltod, Scalar::UInt64(ns)) => *ns < u64::from(MS) * 1_000_000,
-        (AssertType::Date, Scalar::UInt16(days)) => *days <= DATE_MAX,
+        (AssertType::Date, Scalar::UInt16(days)) => *days <= datetime::DATE_MAX,
         (AssertType::S5Time, Scalar::UInt16(time)) => {
             time >> 14 == 0
                 && bcd::to_int((time & 0xFFF).into(), 3) <= 999
