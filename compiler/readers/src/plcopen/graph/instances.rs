@@ -6,6 +6,9 @@ use super::super::types::Ty;
 use super::Build;
 use plcc_diag::{Code, Diagnostic};
 
+/// The function blocks that every editor has. Source: IEC 61131-3, standard function blocks.
+const STANDARD: [&str; 10] = ["sr", "rs", "r_trig", "f_trig", "ctu", "ctd", "ctud", "tp", "ton", "tof"];
+
 impl Build<'_, '_, '_> {
     /// Reports a block whose instance is declared with another type, although only the name of the instance is needed to call it.
     pub(super) fn check_instance(&mut self, object: &Object) {
@@ -19,8 +22,10 @@ impl Build<'_, '_, '_> {
         if is_same || last(&object.name) == last(&declared) {
             return;
         }
-        // The data of library blocks may have another name.
-        if plcc_stdlib::blocks().iter().any(|block| block.name.eq_ignore_ascii_case(&object.name)) {
+        // The data of library blocks may have another name, but not that of another block.
+        let is_standard = |name: &str| STANDARD.contains(&last(name).as_str());
+        let are_standard = is_standard(&object.name) && is_standard(&declared);
+        if !are_standard && plcc_stdlib::blocks().iter().any(|block| block.name.eq_ignore_ascii_case(&object.name)) {
             return;
         }
         let instance = self.reader.overlay.get(range).unwrap_or_default().trim();
