@@ -45,6 +45,11 @@ impl Condition {
             last.0.push(' ');
             match token {
                 Token::Name(name) => {
+                    if let Some(sign) = sign_after_not(&tokens, at) {
+                        return Err(format!(
+                            "NOT changes `{name}` alone; write `NOT ({name} {sign} …)` for the comparison"
+                        ));
+                    }
                     let number = names.iter().position(|own| own == name).unwrap_or_else(|| {
                         names.push((*name).to_string());
                         names.len() - 1
@@ -129,6 +134,23 @@ fn is_combined(tokens: &[Token<'_>], at: usize) -> bool {
     let begins = joins(&before) || matches!(&*before, "(" | "," | "!");
     let ends = joins(&after) || matches!(&*after, ")" | ",");
     begins && ends && (joins(&before) || joins(&after) || before == "!")
+}
+
+/// The sign that compares a name after NOT, which binds more: `NOT MW10 = 7` would compare 0 or 1 with 7.
+fn sign_after_not<'t>(tokens: &'t [Token<'_>], at: usize) -> Option<&'t str> {
+    let text = |at: usize| match tokens.get(at)? {
+        Token::Text(text) => Some(text.as_str()),
+        Token::Name(_) => None,
+    };
+    if at.checked_sub(1).and_then(text) != Some("!") {
+        return None;
+    }
+    match text(at + 1)? {
+        "==" => Some("="),
+        "!=" => Some("<>"),
+        sign @ ("<" | "<=" | ">" | ">=") => Some(sign),
+        _ => None,
+    }
 }
 
 /// What the operators of conditions are for.
@@ -364,6 +386,8 @@ mod tests {
             ("\"Motor on\" AND TRUE OR MW10 + 1 = 0", 1.0),
             ("MD20 as REAL > 2 AND MW10=7", 1.0),
             ("NOT (MW10 = 7 AND \"Motor on\")", 0.0),
+            ("NOT (MW10 = 6)", 1.0),
+            ("(NOT \"Motor on\") = FALSE", 1.0),
             ("9007199254740992 = 16#20000000000000", 1.0),
         ] {
             assert_eq!(value(text), Ok(expected), "{text}");
@@ -390,6 +414,8 @@ mod tests {
             ("(MW10 AND 16#4) <> 0", "do not mask words"),
             ("MW10 AND MW10 = 7", "bits and comparisons here, but `MW10` is 7"),
             ("NOT MW10", "write `MW10 <> 0`"),
+            ("NOT MW10 = 7", "write `NOT (MW10 = …)`"),
+            ("TRUE AND !MW10 <> 7", "write `NOT (MW10 <> …)`"),
             ("MW10 > 5 & MW10", "`MW10` is 7"),
             ("\"Motor on\" XOR MW10 = 7", "write `a <> b`"),
             (&"(".repeat(3000), "not a condition"),
