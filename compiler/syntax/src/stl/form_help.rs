@@ -110,8 +110,16 @@ fn of_operand(
     let mnemonic = insn.mnemonic(state.rules);
     let is_number = !here.is_empty() && here.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
     match (tokens, at) {
-        ([.., (_, Tok::Insn(_), _), (area, Tok::Area(..), area_end), (_, Tok::LeftBracket, _)], _) if is_number => {
-            Some(format!("write `{mnemonic} {} {here}`", &state.text[*area..*area_end]))
+        ([.., (_, Tok::Insn(_), _), (area, Tok::Area(_, width), area_end), (_, Tok::LeftBracket, _)], _)
+            if is_number =>
+        {
+            let area = &state.text[*area..*area_end];
+            match (width, here.split_once('.')) {
+                (Width::Bit, None) => Some(format!("write `{mnemonic} {area} {here}.0`, with the number of the bit")),
+                (Width::Bit, Some(_)) | (_, None) => Some(format!("write `{mnemonic} {area} {here}`")),
+                (_, Some((byte, "0"))) => Some(format!("write `{mnemonic} {area} {byte}`")),
+                (_, Some(_)) => None,
+            }
         }
         ([.., (_, Tok::Insn(_), _), (area, Tok::Area(..), area_end)], Tok::Local(_) | Tok::Name(_)) => {
             let (area, name) = (&state.text[*area..*area_end], here.trim_start_matches('#'));
