@@ -23,7 +23,11 @@ impl Classifier<'_, '_> {
             let is_part = matches!(next.kind, RawKind::Integer | RawKind::Real | RawKind::Word | RawKind::Stray);
             is_part && next.range().start == second.range().end
         });
-        if self.place == Where::Declaration || first.range().end != second.range().start || goes_on {
+        // Nor is the end of `1.5.2`.
+        let before = first.range().start.checked_sub(1).and_then(|at| self.text.as_bytes().get(at));
+        let has_begun = before.is_some_and(|before| before.is_ascii_alphanumeric() || *before == b'.');
+        let is_alone = !has_begun && !goes_on;
+        if self.place == Where::Declaration || first.range().end != second.range().start || !is_alone {
             return false;
         }
         let range = first.range().start..second.range().end;
