@@ -9,7 +9,7 @@ use clap::CommandFactory;
 use clap::error::{ContextKind, ErrorKind};
 use plcc_literal::distance::nearest;
 use plcc_runtime::address;
-use plcc_runtime::options::split_list;
+use plcc_runtime::options::{negative_value, split_list};
 
 use crate::cli::Cli;
 
@@ -82,7 +82,7 @@ pub fn refused(error: &clap::Error, args: &[OsString]) -> Option<String> {
     match error.kind() {
         ErrorKind::UnknownArgument => {
             let command = cli.find_subcommand(args.get(1)?)?;
-            one_hyphen(command, &args[2..]).or_else(|| negative_value(command, &args[2..]))
+            one_hyphen(command, &args[2..]).or_else(|| negative_value(error, command, &args[2..]))
         }
         // The parser has suggestions of its own, but none for `rn`.
         ErrorKind::InvalidSubcommand if error.get(ContextKind::SuggestedSubcommand).is_none() => {
@@ -100,19 +100,6 @@ fn one_hyphen(command: &clap::Command, args: &[&str]) -> Option<String> {
         let flag = arg.strip_prefix('-')?.split('=').next()?;
         let is_flag = command.get_arguments().any(|own| own.get_long() == Some(flag));
         is_flag.then(|| format!("`-{flag}` has one hyphen: write `--{flag}`"))
-    })
-}
-
-/// `--cycle-time -10ms`
-fn negative_value(command: &clap::Command, args: &[&str]) -> Option<String> {
-    let own: Vec<&str> = args.iter().copied().take_while(|arg| *arg != "--").collect();
-    own.windows(2).find_map(|pair| {
-        let [flag, value] = *pair else { return None };
-        let has_value = command.get_arguments().any(|own| {
-            own.get_long().is_some_and(|long| flag.strip_prefix("--") == Some(long)) && own.get_action().takes_values()
-        });
-        let is_number = value.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
-        (has_value && is_number).then(|| format!("{flag} takes no negative value such as `{value}`"))
     })
 }
 

@@ -7,14 +7,14 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use clap::error::ErrorKind;
-use clap::{Args, Parser};
+use clap::{Args, CommandFactory, Parser};
 use plcc_abi::ProgramImage;
 
 use crate::change::{self, Loader};
 use crate::code::{Code, Entries};
 use crate::linked::{LinkedCode, linked_program};
 use crate::online::Service;
-use crate::options::{RunOptions, without_services};
+use crate::options::{RunOptions, negative_value, without_services};
 use crate::testing::{TEST_VARIABLE, TestJob};
 
 #[derive(Parser)]
@@ -76,10 +76,14 @@ pub unsafe fn main_of<O: Opener>(argc: c_int, argv: *const *const c_char) -> c_i
         let argument = unsafe { CStr::from_ptr(*argv.add(index)) };
         OsString::from_vec(argument.to_bytes().to_vec())
     });
-    let CommandLine::<O> { run, services } = match CommandLine::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.collect();
+    let CommandLine::<O> { run, services } = match CommandLine::try_parse_from(&arguments) {
         Ok(command) => command,
         Err(error) if error.kind() == ErrorKind::DisplayVersion => return version(),
-        Err(error) => return usage(&error),
+        Err(error) => {
+            let words: Vec<&str> = arguments.iter().filter_map(|argument| argument.to_str()).collect();
+            return usage(&error, negative_value(&error, &CommandLine::<O>::command(), &words));
+        }
     };
     match linked_program(0) {
         Ok((image, entries)) => {
@@ -125,14 +129,14 @@ fn version() -> c_int {
     }
 }
 
-/// Help goes to standard output, errors in the flags to standard error. No line begins like a message about
-/// a source.
-fn usage(error: &clap::Error) -> c_int {
+/// Help goes to standard output, errors in the flags to standard error; `told` is what is wrong if the error does not say it. No line begins
+/// like a message about a source.
+fn usage(error: &clap::Error, told: Option<String>) -> c_int {
     if !error.use_stderr() {
         let _ = error.print();
         return c_int::from(crate::run::EXIT_OK);
     }
-    let text = without_services(error).unwrap_or_else(|| error.render().to_string());
+    let text = told.or_else(|| without_services(error)).unwrap_or_else(|| error.render().to_string());
     // A closed standard error changes nothing.
     let _ = writeln!(std::io::stderr(), "runtime: {}", text.strip_prefix("error: ").unwrap_or(&text).trim_end());
     c_int::from(crate::run::EXIT_USAGE)

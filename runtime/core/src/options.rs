@@ -196,6 +196,22 @@ pub fn without_services(error: &clap::Error) -> Option<String> {
     })
 }
 
+/// The message for a negative value, which the parser takes for another flag: `--cycle-time -10ms`.
+pub fn negative_value(error: &clap::Error, command: &clap::Command, args: &[&str]) -> Option<String> {
+    if error.kind() != ErrorKind::UnknownArgument {
+        return None;
+    }
+    let own: Vec<&str> = args.iter().copied().take_while(|arg| *arg != "--").collect();
+    own.windows(2).find_map(|pair| {
+        let [flag, value] = *pair else { return None };
+        let has_value = command.get_arguments().any(|own| {
+            own.get_long().is_some_and(|long| flag.strip_prefix("--") == Some(long)) && own.get_action().takes_values()
+        });
+        let is_number = value.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+        (has_value && is_number).then(|| format!("{flag} takes no negative value such as `{value}`"))
+    })
+}
+
 /// Parses a number of cycles. `Err`: the error.
 fn parse_cycles(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| "write a whole number of cycles, as in --cycles 100".to_string())

@@ -104,6 +104,7 @@ fn wrong_flags_are_usage_errors() {
         (&["--cycles", "many"], "--cycles"),
         (&["--cycles", "-1"], "write a whole number of cycles"),
         (&["--cycle-time", "10"], "is not a time"),
+        (&["--cycle-time", "-10ms"], "--cycle-time takes no negative value such as `-10ms`"),
         (&["--clock", "fast"], "--clock"),
         (&["--set", "I0.0=2"], "does not fit into a bit"),
         (&["--set", "MW0"], "write ADDR=VALUE, as MW0=1"),
