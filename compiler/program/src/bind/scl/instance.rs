@@ -131,11 +131,11 @@ impl SclBinder<'_, '_> {
                 return false;
             }
         }
-        let (name, block) = (&instance.text, asked.to_ascii_uppercase());
+        let name = &instance.text;
         let help = format!(
-            "add the source of this data block, or define it: `DATA_BLOCK \"{name}\" {block} BEGIN END_DATA_BLOCK`"
+            "add the source of this data block, or define it: `DATA_BLOCK \"{name}\" {asked} BEGIN END_DATA_BLOCK`"
         );
-        self.program.globals.report.missing_instance(name, &block, base.span, help);
+        self.program.globals.report.missing_instance(name, asked, base.span, help);
         true
     }
 
