@@ -8,6 +8,7 @@ use plcc_syntax::stl::Mnemonics;
 
 use super::Binder;
 use super::interface::Locals;
+use super::meant::Form;
 use super::stack::Stack;
 use super::structure::Structure;
 use plcc_model::s7200::{Operand, S7200Body, Statement, StatementKind};
@@ -137,7 +138,7 @@ impl Binder<'_> {
     }
 
     /// `INCW VW0, VW2`, `SLW VW0, 3, VW2`, as boxes have it: what to write for the result in another operand.
-    fn in_place(&self, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
+    fn in_place(&self, locals: &Locals, insn: Insn, operands: &[ast::Operand]) -> Option<String> {
         let international = insn.mnemonic(Mnemonics::En);
         let size = match insn {
             Insn::Bcdi | Insn::Ibcd => "W",
@@ -151,8 +152,10 @@ impl Binder<'_> {
             "D" => Insn::MovD,
             _ => return None,
         };
-        let is_place =
-            |operand: &ast::Operand| !matches!(operand.kind, ast::OperandKind::Constant(_) | ast::OperandKind::Error);
+        let is_place = |operand: &ast::Operand| {
+            operand.kind != ast::OperandKind::Error
+                && !matches!(self.form_of(locals, operand), Form::Constant | Form::Real)
+        };
         let (input, result, count) = match operands {
             [input, result] => (input, result, None),
             [input, result, count] if !is_place(count) => (input, result, Some(count)),
@@ -278,7 +281,7 @@ impl Binder<'_> {
                 }
                 _ => self
                     .three_operands(insn, operands)
-                    .or_else(|| self.in_place(insn, operands))
+                    .or_else(|| self.in_place(locals, insn, operands))
                     .or_else(|| self.counted_by(insn, operands))
                     .unwrap_or_else(|| format!("remove it: {}", self.form(insn))),
             };
