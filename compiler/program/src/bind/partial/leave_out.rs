@@ -23,7 +23,11 @@ pub fn leave_out(units: &mut [(FileId, SourceUnit)], earlier: &[(FileId, SourceU
     }
     let index = *order.first()?;
     let around = if holds(unit.blocks[index].span(), at) { &order[..1] } else { &order[..] };
-    if around.iter().any(|&index| part(&mut earlier.blocks[index].clone(), at).is_some()) {
+    let is_done = |index: usize| {
+        let (now, before) = (&unit.blocks[index], &earlier.blocks[index]);
+        is_emptied(now, before, at) || part(&mut before.clone(), at).is_some()
+    };
+    if around.iter().any(|&index| is_done(index)) {
         return None;
     }
     // A message of the block as a whole.
@@ -51,6 +55,35 @@ fn part(block: &mut Block, at: Span) -> Option<LeftOut> {
         }
         Block::Type(ty) => declaration(&mut ty.members, at),
     }
+}
+
+/// Whether the statement at `at` has been left out. Blocks with many messages are not copied for each of them.
+fn is_emptied(now: &Block, before: &Block, at: Span) -> bool {
+    let (Block::Code(now), Block::Code(before)) = (now, before) else { return false };
+    match (&now.code, &before.code) {
+        (Code::Scl(now), Code::Scl(before)) => {
+            let is_empty = |body: &scl::Body| {
+                innermost(&body.statements, at).map(|kind| matches!(kind, scl::StatementKind::Empty))
+            };
+            (is_empty(now), is_empty(before)) == (Some(true), Some(false))
+        }
+        (Code::Stl(now), Code::Stl(before)) => {
+            let is_empty = |networks: &[ast::Network]| {
+                let mut statements = networks.iter().flat_map(|network| &network.statements);
+                let statement = statements.find(|statement| holds(statement.span, at))?;
+                Some(matches!(statement.kind, StlKind::Empty))
+            };
+            (is_empty(now), is_empty(before)) == (Some(true), Some(false))
+        }
+        _ => false,
+    }
+}
+
+/// The smallest statement that holds `at`.
+fn innermost(list: &[scl::Statement], at: Span) -> Option<&scl::StatementKind> {
+    let statement = list.iter().find(|statement| holds(statement.span, at))?;
+    let inner = statement.kind.bodies().into_iter().find_map(|body| innermost(body, at));
+    Some(inner.unwrap_or(&statement.kind))
 }
 
 /// Leaves out the content of a block.
