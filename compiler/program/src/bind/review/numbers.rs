@@ -189,7 +189,7 @@ fn becomes_address(rest: &[StlStatement]) -> bool {
     false
 }
 
-/// Whether the transfer at `at` stores one half of a double word, and a shift beside it moves the other half to where a transfer takes it.
+/// Whether the transfer at `at` stores one half of a value, and a shift beside it moves the other half to where a transfer takes it.
 fn is_cut_in_halves(statements: &[StlStatement], at: usize) -> bool {
     let end = statements.len().min(at + 1 + SHIFT_MAX);
     statements[at.saturating_sub(SHIFT_MAX)..end].iter().any(|statement| {
@@ -200,7 +200,10 @@ fn is_cut_in_halves(statements: &[StlStatement], at: usize) -> bool {
                     | StlInsn::ShiftLeftD
                     | StlInsn::RotateRightD
                     | StlInsn::RotateLeftD
-                    | StlInsn::SwapBytesDword,
+                    | StlInsn::SwapBytesDword
+                    | StlInsn::ShiftRightW
+                    | StlInsn::ShiftLeftW
+                    | StlInsn::SwapBytesWord,
                 ..
             }
         )
