@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn packets_without_data_are_no_messages() {
+    fn packets_without_data_are_not_messages() {
         let mut transport = Transport::new(10);
         let empty = packet(&[2, DATA, LAST]);
         let packets = [&empty[..], &packet(&[2, DATA, 0, 1, 2]), &packet(&[2, DATA, 0]), &empty, &empty];
