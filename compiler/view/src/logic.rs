@@ -27,16 +27,35 @@ pub enum Term {
     All(Vec<Input>),
     Any(Vec<Input>),
     Odd(Vec<Input>),
-    /// A comparison of two operands, while the flow is 1; `real`: as floating-point numbers.
+    /// A comparison of two operands, while the flow is 1.
     Compare {
         flow: Option<usize>,
         sign: String,
         left: String,
         right: String,
-        real: bool,
+        reading: Reading,
         told: Option<Told>,
     },
     Unknown,
+}
+
+/// What the digits of a number in a comparison mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    Signed,
+    Unsigned,
+    Real,
+}
+
+impl Reading {
+    /// As the script of a page knows it.
+    fn word(self) -> &'static str {
+        match self {
+            Reading::Signed => "signed",
+            Reading::Unsigned => "unsigned",
+            Reading::Real => "real",
+        }
+    }
 }
 
 /// Where a program that is watched tells the result of a comparison: in an expression, it is the value that begins with the left operand and
@@ -149,9 +168,9 @@ fn term(part: &Part) -> Term {
             match (operands.next(), operands.next()) {
                 (Some((left, at)), Some((right, other))) => {
                     let (left, right) = (as_compared(&part.look, left), as_compared(&part.look, right));
-                    let real = is_real(&part.look, [&left, &right]);
+                    let reading = reading(&part.look, [&left, &right]);
                     let told = at.zip(other).map(|(left, right)| Told { left, right, inverse: *inverse });
-                    Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right, real, told }
+                    Term::Compare { flow: part.net(part.flow_in), sign: sign.clone(), left, right, reading, told }
                 }
                 _ => Term::Unknown,
             }
@@ -184,11 +203,16 @@ fn as_compared(look: &Look, text: String) -> String {
     }
 }
 
-/// Whether a comparison is one of floating-point numbers: by its type, or without one by a constant.
-fn is_real(look: &Look, operands: [&String; 2]) -> bool {
+/// How a comparison reads numbers: by its type, or without one by a constant.
+fn reading(look: &Look, operands: [&String; 2]) -> Reading {
+    const UNSIGNED: [&str; 8] = ["USINT", "UINT", "UDINT", "ULINT", "BYTE", "WORD", "DWORD", "LWORD"];
+    let is_one_of = |types: &[&str], ty: &str| types.iter().any(|one| one.eq_ignore_ascii_case(ty));
+    let has_point = |text: &&String| text.contains('.') && text.replace('_', "").parse::<f64>().is_ok();
     match type_of(look) {
-        "" => operands.iter().any(|text| text.contains('.') && text.replace('_', "").parse::<f64>().is_ok()),
-        ty => ["R", "REAL", "LREAL"].iter().any(|real| real.eq_ignore_ascii_case(ty)),
+        "" if operands.iter().any(has_point) => Reading::Real,
+        ty if is_one_of(&["R", "REAL", "LREAL"], ty) => Reading::Real,
+        ty if is_one_of(&UNSIGNED, ty) => Reading::Unsigned,
+        _ => Reading::Signed,
     }
 }
 
@@ -275,12 +299,12 @@ impl Term {
                 let sum = values.iter().flatten().filter(|value| **value).count();
                 (!values.contains(&None)).then_some(sum % 2 == 1)
             }
-            Term::Compare { flow, sign, left, right, real, .. } => {
+            Term::Compare { flow, sign, left, right, reading, .. } => {
                 let flow = match flow {
                     Some(net) => nets.get(net).copied(),
                     None => Some(true),
                 };
-                let number = |text: &str| number(&operand(text).unwrap_or_else(|| text.to_string()), *real);
+                let number = |text: &str| number(&operand(text).unwrap_or_else(|| text.to_string()), *reading);
                 let result = match (number(left), number(right)) {
                     (Some(left), Some(right)) => Some(match sign.as_str() {
                         "=" | "==" => left == right,
@@ -314,10 +338,10 @@ impl Term {
             Term::All(inputs) => serde_json::Value::Array(std::iter::once(json!("&")).chain(list(inputs)).collect()),
             Term::Any(inputs) => serde_json::Value::Array(std::iter::once(json!("|")).chain(list(inputs)).collect()),
             Term::Odd(inputs) => serde_json::Value::Array(std::iter::once(json!("^")).chain(list(inputs)).collect()),
-            Term::Compare { flow, sign, left, right, real, told } => match told.filter(|_| places) {
-                None => json!(["?", flow, sign, left, right, real]),
+            Term::Compare { flow, sign, left, right, reading, told } => match told.filter(|_| places) {
+                None => json!(["?", flow, sign, left, right, reading.word()]),
                 Some(Told { left: from, right: inside, inverse }) => {
-                    json!(["?", flow, sign, left, right, real, [from, inside, inverse]])
+                    json!(["?", flow, sign, left, right, reading.word(), [from, inside, inverse]])
                 }
             },
             Term::Unknown => json!(["u"]),
@@ -327,18 +351,18 @@ impl Term {
 
 /// A number of a trace or a constant: `-5`, `1_000`, `16#00FF`, `2#101`, `1.5`, `INT#7`; `T#5s` is none. Words in base 16 are
 /// INT, and double words DINT, or REAL if the comparison is one of REAL.
-fn number(text: &str, real: bool) -> Option<f64> {
+fn number(text: &str, reading: Reading) -> Option<f64> {
     let text = text.replace('_', "");
     let prefixes = [("16#", 16), ("8#", 8), ("2#", 2)];
     let based = prefixes.into_iter().find_map(|(prefix, base)| Some((text.strip_prefix(prefix)?, base)));
     if let Some((digits, base)) = based {
         let bits = i64::from_str_radix(digits, base).ok()?;
-        return match (real, base, digits.len()) {
-            (true, 16, 8) => Some(f64::from(f32::from_bits(bits as u32))),
-            (true, ..) => None,
-            (false, 16, 4) => Some(f64::from(bits as i16)),
-            (false, 16, 8) => Some(f64::from(bits as i32)),
-            (false, ..) => Some(bits as f64),
+        return match (reading, base, digits.len()) {
+            (Reading::Real, 16, 8) => Some(f64::from(f32::from_bits(bits as u32))),
+            (Reading::Real, ..) => None,
+            (Reading::Signed, 16, 4) => Some(f64::from(bits as i16)),
+            (Reading::Signed, 16, 8) => Some(f64::from(bits as i32)),
+            (Reading::Signed | Reading::Unsigned, ..) => Some(bits as f64),
         };
     }
     text.parse().ok().or_else(|| text.split_once('#')?.1.parse().ok())
@@ -369,11 +393,11 @@ mod tests {
             sign: "<".to_string(),
             left: "MW10".to_string(),
             right: "7".to_string(),
-            real: false,
+            reading: Reading::Signed,
             told: Some(Told { left: 10, right: 20, inverse: true }),
         };
-        assert_eq!(term.json(true), serde_json::json!(["?", null, "<", "MW10", "7", false, [10, 20, true]]));
-        assert_eq!(term.json(false), serde_json::json!(["?", null, "<", "MW10", "7", false]));
+        assert_eq!(term.json(true), serde_json::json!(["?", null, "<", "MW10", "7", "signed", [10, 20, true]]));
+        assert_eq!(term.json(false), serde_json::json!(["?", null, "<", "MW10", "7", "signed"]));
     }
 
     /// A word with its first bit is below zero as a value, and so must be what it is compared with.
@@ -405,20 +429,39 @@ mod tests {
     }
 
     #[test]
-    fn bits_are_numbers_of_the_type_that_is_compared() {
-        for (text, real, expected) in [
-            ("16#3F000000", true, Some(0.5)),
-            ("16#FFFFFFFF", false, Some(-1.0)),
-            ("16#FFFB", false, Some(-5.0)),
-            ("16#FF_FB", false, Some(-5.0)),
-            ("16#FFFB", true, None),
-            ("16#FFFF_FFFB", false, Some(-5.0)),
-            ("2#1000_0001", false, Some(129.0)),
-            ("-1_000", false, Some(-1000.0)),
-            ("1.500000e+000", true, Some(1.5)),
-            ("T#5s", false, None),
+    fn types_without_a_sign_are_read_without_it() {
+        let look = |ty: &str| Look::Compare { sign: "==".to_string(), ty: ty.to_string() };
+        let (half, one) = ("0.5".to_string(), "1".to_string());
+        for (ty, right, expected) in [
+            ("UInt", &one, Reading::Unsigned),
+            ("Word", &one, Reading::Unsigned),
+            ("DInt", &one, Reading::Signed),
+            ("I", &one, Reading::Signed),
+            ("R", &one, Reading::Real),
+            ("", &half, Reading::Real),
+            ("", &one, Reading::Signed),
         ] {
-            assert_eq!(number(text, real), expected, "{text}");
+            assert_eq!(reading(&look(ty), [&one, right]), expected, "{ty}");
+        }
+    }
+
+    #[test]
+    fn bits_are_numbers_of_the_type_that_is_compared() {
+        for (text, reading, expected) in [
+            ("16#3F000000", Reading::Real, Some(0.5)),
+            ("16#FFFFFFFF", Reading::Signed, Some(-1.0)),
+            ("16#FFFB", Reading::Signed, Some(-5.0)),
+            ("16#FF_FB", Reading::Signed, Some(-5.0)),
+            ("16#FFFB", Reading::Unsigned, Some(65531.0)),
+            ("16#FFFFFFFF", Reading::Unsigned, Some(4294967295.0)),
+            ("16#FFFB", Reading::Real, None),
+            ("16#FFFF_FFFB", Reading::Signed, Some(-5.0)),
+            ("2#1000_0001", Reading::Signed, Some(129.0)),
+            ("-1_000", Reading::Signed, Some(-1000.0)),
+            ("1.500000e+000", Reading::Real, Some(1.5)),
+            ("T#5s", Reading::Signed, None),
+        ] {
+            assert_eq!(number(text, reading), expected, "{text}");
         }
     }
 }

@@ -326,13 +326,13 @@ const VIEWS = xref
 let shown = null;
 const bit = (v) => (v === "1" || v === "TRUE" ? true : v === "0" || v === "FALSE" ? false : null);
 const isDuration = (t) => /^(L?T(IME)?|S5T(IME)?)#/i.test(t);
-function number(t, real) {
+function number(t, reading) {
   t = t.replace(/_/g, "");
   const m = /^(16|8|2)#([0-9A-F]+)$/i.exec(t);
   if (m) {
     const n = parseInt(m[2], +m[1]), digits = m[1] === "16" ? m[2].length : 0;
-    if (real) return digits === 8 ? new Float32Array(new Uint32Array([n]).buffer)[0] : null;
-    return Number.isNaN(n) ? null : digits === 4 ? (n << 16) >> 16 : digits === 8 ? n | 0 : n;
+    if (reading === "real") return digits === 8 ? new Float32Array(new Uint32Array([n]).buffer)[0] : null;
+    return Number.isNaN(n) ? null : reading === "unsigned" ? n : digits === 4 ? (n << 16) >> 16 : digits === 8 ? n | 0 : n;
   }
   if (isDuration(t)) {
     const parts = [...t.matchAll(/(\d+(?:\.\d+)?)(ms|us|ns|[dhms])/gi)].map(([, count, unit]) => count * { d: 864e5, h: 36e5, m: 6e4, s: 1e3, ms: 1, us: 1e-3, ns: 1e-6 }[unit.toLowerCase()]);
@@ -353,7 +353,7 @@ function flow(logic) {
     if (t[0] === "|") return any(t.slice(1).map(input));
     if (t[0] === "^") { const vs = t.slice(1).map(input); return vs.includes(null) ? null : vs.filter((v) => v).length % 2 === 1; }
     if (t[0] === "?") {
-      const [, net, sign, left, right, real] = t, a = shown.get(left) ?? left, b = shown.get(right) ?? right, x = number(a, real), y = number(b, real);
+      const [, net, sign, left, right, reading] = t, a = shown.get(left) ?? left, b = shown.get(right) ?? right, x = number(a, reading), y = number(b, reading);
       const on = net === null ? true : known.get(net) ?? null;
       // What STL loads of a timer is a number without its time base.
       if (x === null || y === null || isDuration(a) !== isDuration(b)) return all([on, null]);
