@@ -143,10 +143,12 @@ impl Globals<'_> {
         }
         // If a block or tag has the name of a module, the name means the block or tag.
         let config = &self.input.config;
-        if !self.names.symbols.contains_key(&name)
-            && let Some(module) = config.modules.iter().flatten().find(|module| fold(&module.name) == name)
-        {
-            return word(config.hardware_id(module));
+        if !self.names.symbols.contains_key(&name) {
+            let mut named = config.modules.iter().flatten().filter(|module| fold(&module.name) == name);
+            // A name of two modules does not tell which one is meant.
+            if let (Some(module), None) = (named.next(), named.next()) {
+                return word(config.hardware_id(module));
+            }
         }
         match self.names.symbols.get(name.strip_prefix("ob_")?)?.target {
             SymbolTarget::Block { prefix: BlockPrefix::Ob, number } => {
