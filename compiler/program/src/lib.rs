@@ -15,6 +15,6 @@ mod modules;
 
 pub use bind::{
     NOT_CONNECTED, bind, block_of_file, complete, implied_profile, instruction_pins, is_about_drafts, is_s7200,
-    language_beyond_s7_1200, library_code, library_interface, runs, system_members, tables, with_chart_data,
+    language_beyond_s7_1200, library_code, library_interface, runs, system_members, tables, told_ob, with_chart_data,
 };
 pub use modules::check_modules;

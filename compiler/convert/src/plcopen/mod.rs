@@ -27,6 +27,7 @@ mod tasks;
 
 use std::collections::BTreeSet;
 
+use plcc_abi::ob::ObClass;
 use plcc_diag::{Diagnostic, Span};
 use plcc_syntax::ast::{Area, Block, CodeKind, DataBlock, Header, TypeBlock, Width};
 use plcc_syntax::stl::Mnemonics;
@@ -47,6 +48,8 @@ const ROUNDS_MAX: usize = 8;
 /// What is written of a program besides its sources.
 pub struct Settings<'s> {
     pub name: &'s str,
+    /// The number and the class of an OB, by its name, if its source tells them.
+    pub told_ob: &'s dyn Fn(&str) -> (Option<u32>, Option<ObClass>),
     /// The period of a cyclic OB, by its number and whether it has a name of its own.
     pub period_ms: &'s dyn Fn(u16, bool) -> u32,
 }

@@ -25,7 +25,7 @@ impl<'a> Project<'_, 'a, '_> {
         let before = writer.lines_before(block.span.start);
         self.header(&block.header, block.name.span(), writer);
         if block.kind == CodeKind::Ob {
-            self.tasks.extend(tasks::of_block(program, block, self.settings.period_ms, writer));
+            self.tasks.extend(tasks::of_block(program, block, self.settings, writer));
             if tasks::instances(program, block).is_some() {
                 return;
             }

@@ -5,6 +5,7 @@ use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, DataContent}
 use plcc_syntax::scl::ast::{ExprKind, Statement, StatementKind};
 use plcc_syntax::symbols::has_own_name;
 
+use super::Settings;
 use super::program::{Global, Program};
 use crate::node::Node;
 use crate::writer::Writer;
@@ -35,40 +36,39 @@ impl Task {
 }
 
 /// The number and the class of an OB.
-fn class(program: &Program, block: &CodeBlock) -> (Option<u32>, Option<ObClass>) {
+fn class(program: &Program, block: &CodeBlock, settings: &Settings) -> (Option<u32>, Option<ObClass>) {
     let attribute = |names: &[&str]| {
         let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
         block.header.attributes.iter().find(named).map(|(_, value)| value.as_str())
     };
     let in_key = program.key(&block.name).strip_prefix("OB ").and_then(|number| number.parse().ok());
+    let (told, told_class) = match &block.name {
+        BlockName::Numbered { .. } => (None, None),
+        BlockName::Symbol { name, .. } => (settings.told_ob)(name),
+    };
     let own = match &block.name {
         BlockName::Numbered { number, .. } => Some(*number),
         BlockName::Symbol { .. } => in_key.or(block.header.number),
     };
-    let number = own.or_else(|| attribute(&["S7_BlockNumber"]).and_then(|text| text.trim().parse().ok()));
+    let number = own.or_else(|| attribute(&["S7_BlockNumber"]).and_then(|text| text.trim().parse().ok())).or(told);
     let said = attribute(&["S7_EventClass", "SecondaryType"]).map(ObClass::of_name);
     let by_number = || match number {
         Some(number) => u16::try_from(number).ok().and_then(ObClass::of_number).or(Some(ObClass::ProgramCycle)),
-        None => Some(ObClass::ProgramCycle),
+        None => told_class.or(Some(ObClass::ProgramCycle)),
     };
     (number, said.unwrap_or_else(by_number))
 }
 
-/// The task of an OB. `period_ms`: the period of a cyclic OB, by its number and whether it has a name of its own.
-pub fn of_block(
-    program: &Program,
-    block: &CodeBlock,
-    period_ms: &dyn Fn(u16, bool) -> u32,
-    writer: &mut Writer,
-) -> Option<Task> {
+/// The task of an OB.
+pub fn of_block(program: &Program, block: &CodeBlock, settings: &Settings, writer: &mut Writer) -> Option<Task> {
     let key = program.key(&block.name);
     let name = program.name(&key);
-    let (number, class) = class(program, block);
+    let (number, class) = class(program, block, settings);
     let period_ms = match class {
         Some(ObClass::ProgramCycle) => None,
         Some(ObClass::Cyclic) => {
             let number = number.and_then(|number| u16::try_from(number).ok()).unwrap_or(30);
-            Some(period_ms(number, has_own_name(&block.name)))
+            Some((settings.period_ms)(number, has_own_name(&block.name)))
         }
         class => {
             let what = class.map_or("another event", |class| class.row().word);

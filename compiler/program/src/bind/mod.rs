@@ -39,7 +39,7 @@ pub use partial::complete;
 pub use program::bind;
 pub use trees::chart_data::expanded as with_chart_data;
 pub use trees::cpu::{implied_profile, is_s7200, language_beyond_s7_1200, runs};
-pub use trees::numbering::block_of_file;
+pub use trees::numbering::{block_of_file, told_ob};
 
 /// Tables of the languages, for reference pages and editors.
 pub mod tables {

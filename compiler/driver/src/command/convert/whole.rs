@@ -12,7 +12,7 @@ use plcc_readers::plcopen as reader;
 use plcc_readers::simatic_ml::Remarks;
 use plcc_readers::xml::XmlKind;
 use plcc_runtime::events::default_period_ms;
-use plcc_syntax::ast::{Block, Code, SourceUnit};
+use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::{scl, stl};
 
@@ -75,6 +75,14 @@ pub fn document(parsed: &pipeline::Parsed, config: &Config, name: &str) -> (Stri
             None => default_period_ms(ob),
         }
     };
+    let blocks = || parsed.units.iter().flat_map(|(_, unit)| &unit.blocks);
+    let told_ob = |name: &str| {
+        let is_named = |block: &&Block| match block {
+            Block::Code(CodeBlock { kind: CodeKind::Ob, name: BlockName::Symbol { name: own, .. }, .. }) => own == name,
+            _ => false,
+        };
+        blocks().find(is_named).map_or((None, None), plcc_program::told_ob)
+    };
     let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
     let mut notes = Vec::new();
     let mut drawn: Vec<SourceUnit> =
@@ -96,7 +104,8 @@ pub fn document(parsed: &pipeline::Parsed, config: &Config, name: &str) -> (Stri
         unit(source, one, drawn, exported.as_ref())
     });
     let units = units.collect();
-    let (text, mut messages) = plcopen::write(units, &parsed.tables, &Settings { name, period_ms: &period_ms });
+    let (text, mut messages) =
+        plcopen::write(units, &parsed.tables, &Settings { name, told_ob: &told_ob, period_ms: &period_ms });
     messages.extend(notes);
     messages.extend(parsed.units.iter().flat_map(|(id, _)| languages::of_export(*id, &parsed.sources.file(*id).text)));
     // Pragmas of files, such as the CPU, are comments after the first line.

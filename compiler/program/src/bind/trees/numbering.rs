@@ -65,6 +65,16 @@ pub fn numbered(block: &ast::Block, prefix: BlockPrefix, name: &BlockName) -> (B
     }
 }
 
+/// The number and the class of an organization block, as its name, its attributes or its inputs tell them.
+pub fn told_ob(block: &ast::Block) -> (Option<u32>, Option<ObClass>) {
+    let (prefix, name) = frame(block);
+    let number = match numbered(block, prefix, name).0 {
+        BlockName::Numbered { number, .. } => Some(number),
+        BlockName::Symbol { .. } => None,
+    };
+    (number, block_class(block).or_else(|| class_of_inputs(block)))
+}
+
 /// Whether the sources contain organization blocks that only CPUs of the TIA Portal have: from OB 123 on, by their numbers, or because there are
 /// more of a class than it has numbers.
 pub fn has_free_obs(units: &[(FileId, ast::SourceUnit)]) -> bool {
@@ -143,14 +153,14 @@ fn ob_number(name: &str) -> Option<u32> {
     (index < *count).then_some(first + index)
 }
 
-/// The number with which the name of an organization block of the TIA Portal begins, `OB35_PID`. It says what starts the block, so the block must
-/// not state something else.
+/// The number with which the name of an organization block begins, `OB35_PID`: in sources of the TIA Portal and in STL. It says what starts the block,
+/// so the block must not state something else.
 fn number_in_name(block: &ast::Block, name: &str) -> Option<u32> {
     let ast::Block::Code(code) = block else { return None };
     let (prefix, number) = block_of_file(name)?;
     let class = ObClass::of_number(u16::try_from(number).ok()?)?;
     let stated = block_class(block).or_else(|| class_of_inputs(block)).unwrap_or(class);
-    (prefix == BlockPrefix::Ob && dialect(code) == Some(Dialect::Tia) && stated == class).then_some(number)
+    (prefix == BlockPrefix::Ob && dialect(code) != Some(Dialect::Classic) && stated == class).then_some(number)
 }
 
 /// The number of an organization block by the names of its start information: `OB35_EV_CLASS`.
