@@ -86,7 +86,7 @@ fn io_errors_run_ob_122() {
     assert_eq!(*runs.borrow(), 2);
 }
 
-/// Source: S7-1500 system manual, default reactions to events.
+/// Source: CPU manuals, S7-1500, default reactions to events.
 #[test]
 fn an_s7_1500_goes_on_without_ob_122() {
     let ob1: Block = Box::new(|cpu, _| {
