@@ -230,7 +230,7 @@ impl Binder<'_> {
         let help = match own {
             BlockKind::Sbr => format!("attach an interrupt routine that contains `{call} {written}`"),
             BlockKind::Int => format!("write `{attach} {written}, 10`, with the number of the event that starts it"),
-            _ => "the CPU calls it in each scan: put what is to be called into a subroutine".to_string(),
+            _ => format!("the CPU calls it in each scan: move what is meant into {}", with_article(needed)),
         };
         let is = if own == BlockKind::Ob { "the main program".to_string() } else { with_article(own) };
         let title = format!("`{written}` is {is}, not {} (0087)", with_article(needed));
