@@ -13,8 +13,8 @@ use crate::bind::globals::Globals;
 use crate::bind::globals::sources::CodeSource;
 use crate::bind::trees::blocks::class_attribute;
 
-/// OBs of CPUs for technology and of S7-400H, which have no class here.
-const RARE: [u16; 2] = [65, 73];
+/// OBs of WinAC with ODK, of CPUs for technology and of S7-400H, which have no class here.
+const RARE: [u16; 5] = [52, 53, 54, 65, 73];
 
 /// The message about an attribute whose value is not a class.
 pub fn unknown_class(text: &str, span: Span) -> Diagnostic {
