@@ -451,10 +451,23 @@ impl Declarations<'_> {
         bit: u8,
     ) -> Option<()> {
         let bytes = match ty {
-            DataType::Elementary(own) => Globals::constant_bytes(&self.globals.nearest(constant, *own, span), ty),
+            DataType::Elementary(own) => {
+                self.number_for_bits(constant, *own, span);
+                Globals::constant_bytes(&self.globals.nearest(constant, *own, span), ty)
+            }
             _ => Globals::constant_bytes(constant, ty),
         };
         self.encode_bytes(bytes, &constant.describe(), span, ty, image, byte, bit)
+    }
+
+    /// Warns of a start value that looks like the bits of a REAL. No call can be a start value.
+    fn number_for_bits(&mut self, constant: &Constant, ty: Elementary, span: Span) {
+        let Some(message) = self.globals.number_for_bits(constant, ty, span) else { return };
+        // Many elements of an array may have one value.
+        let last = self.globals.report.diagnostics.last();
+        if last.is_none_or(|last| last.code != message.code || last.primary.span != span) {
+            self.report(message.help("write the value itself, with a point"));
+        }
     }
 
     #[allow(clippy::too_many_arguments, reason = "a value, what it is, and its place")]

@@ -103,6 +103,27 @@ impl Globals<'_> {
         }
     }
 
+    /// A constant in hexadecimal for a REAL or LREAL that looks like the bits of an ordinary number, and is a number itself.
+    pub fn number_for_bits(&self, constant: &Constant, ty: Elementary, span: Span) -> Option<Diagnostic> {
+        let Constant::Integer { value, based: true } = constant else { return None };
+        let (of_bits, word, prefix) = match ty {
+            Elementary::Real => (f64::from(f32::from_bits(u32::try_from(*value).ok()?)), "DWORD", "DW"),
+            Elementary::Lreal => (f64::from_bits(u64::try_from(*value).ok()?), "LWORD", "LW"),
+            _ => return None,
+        };
+        // Divisors and masks, 16#1_0000 and 16#FFFF_FFFF, are the bits of tiny numbers or of none.
+        if !(1e-9..1e12).contains(&of_bits.abs()) {
+            return None;
+        }
+        let written = self.text(span);
+        let help = match written.starts_with(|first: char| first.is_ascii_digit()) {
+            true => format!("for these bits write `{word}_TO_{}({prefix}#{written})`", ty.name()),
+            false => "write the number in decimal, with a point".to_owned(),
+        };
+        let title = format!("`{written}` is a number here, not the bits of a value of type {}", ty.name());
+        Some(Diagnostic::new(Code::Tolerated, span, title).label(format!("taken as {value}.0")).help(help))
+    }
+
     /// The bytes of a constant as a variable of type `ty`, big-endian; a BOOL is one byte, 0 or 1.
     pub fn constant_bytes(constant: &Constant, ty: &DataType) -> Result<Vec<u8>, Mismatch> {
         fit::bytes(constant, ty)

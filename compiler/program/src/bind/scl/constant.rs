@@ -73,8 +73,8 @@ impl SclBinder<'_, '_> {
                     give(low_bits(*value, ty))
                 }
                 Class::Float => {
-                    if *based {
-                        self.number_for_bits(span, *value, ty);
+                    if let Some(message) = self.program.globals.number_for_bits(constant, ty, span) {
+                        self.program.report(message);
                     }
                     match ty {
                         Elementary::Real => give(u64::from((*value as f32).to_bits())),
@@ -155,27 +155,6 @@ impl SclBinder<'_, '_> {
                 self.unfit_constant(constant, span, ty)
             }
         }
-    }
-
-    /// Warns of a constant in hexadecimal for a REAL or LREAL, which looks like the bits of an ordinary number and is a number itself.
-    fn number_for_bits(&mut self, span: Span, value: i128, ty: Elementary) {
-        let of_bits = match ty {
-            Elementary::Real => u32::try_from(value).ok().map(|bits| f64::from(f32::from_bits(bits))),
-            _ => u64::try_from(value).ok().map(f64::from_bits),
-        };
-        // Divisors and masks, 16#1_0000 and 16#FFFF_FFFF, are the bits of tiny numbers or of none.
-        if !of_bits.is_some_and(|number| (1e-9..1e12).contains(&number.abs())) {
-            return;
-        }
-        let written = self.program.globals.text(span);
-        let bits = if ty == Elementary::Real { ("DWORD", "DW") } else { ("LWORD", "LW") };
-        let help = match written.starts_with(|first: char| first.is_ascii_digit()) {
-            true => format!("for these bits, write `{}_TO_{}({}#{written})`", bits.0, ty.name(), bits.1),
-            false => "write the number in decimal, with a point".to_owned(),
-        };
-        let title = format!("`{written}` is a number here, not the bits of a value of type {}", ty.name());
-        let message = Diagnostic::new(Code::Tolerated, span, title).label(format!("taken as {value}.0"));
-        self.program.report(message.help(help));
     }
 
     fn unfit_constant(&mut self, constant: &Constant, span: Span, ty: Elementary) -> Option<Expr> {
