@@ -150,7 +150,7 @@ impl SclBinder<'_, '_> {
             && ctx.scope.address_numbers
             && ctx.block.bound.locals.get(&folded).is_some_and(|local| is_step_or_transition(&local.ty))
             && !self.program.globals.names.constants.contains_key(&folded)
-            && self.program.globals.global(&name.text).is_none()
+            && !self.program.globals.names.symbols.contains_key(&folded)
     }
 
     /// The library block with the name of a function, if the program does not mean its own.
