@@ -234,6 +234,17 @@ impl Globals<'_> {
         !self.names.symbols.contains_key(&fold(name)) && plcc_stdlib::find_tia(name).is_some_and(SystemBlock::is_part)
     }
 
+    /// Whether the program or a symbol table defines a name.
+    pub fn is_defined(&self, name: &str) -> bool {
+        let folded = fold(name);
+        self.names.symbols.contains_key(&folded) || self.names.constants.contains_key(&folded)
+    }
+
+    /// Whether only a block of the library has a name, which a tag of the program may have as well: `"Limit"`, `"Max"`.
+    pub fn is_only_in_library(&self, name: &str) -> bool {
+        !self.is_defined(name) && self.library_symbol(name).is_some()
+    }
+
     fn library_symbol(&self, name: &str) -> Option<SymbolTarget> {
         let name = classic_name(name.trim());
         let block = plcc_stdlib::find_name(name).or_else(|| plcc_stdlib::find_tia(name))?;

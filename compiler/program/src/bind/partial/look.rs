@@ -272,8 +272,7 @@ impl<'a> Look<'_, 'a> {
     pub fn note(&mut self, ctx: &SclBlock, start: &Start, steps: &[Step], span: Span, hint: Option<&Hint>) {
         // A tag may have the name of a function of the library, which has no value without a call.
         if let Start::Global(name) = start
-            && !self.program.globals.names.symbols.contains_key(&fold(name))
-            && !self.program.globals.names.constants.contains_key(&fold(name))
+            && !self.program.globals.is_defined(name)
         {
             return descend(self.found.of(Missing::name(name), name, span), steps, &mut |shape| shape.learn(hint));
         }

@@ -233,6 +233,10 @@ impl Look<'_, '_> {
                 let known = match &start {
                     // Only another use may show whether a missing name is a cell or a bit.
                     Start::Global(name) if self.is_missing(name) => false,
+                    // `L "Limit"` loads a tag, not a function of the library.
+                    Start::Global(name) if steps.is_empty() && self.program.globals.is_only_in_library(name) => {
+                        matches!(hint, Some(Hint::Type(DataType::Parameter(_))))
+                    }
                     _ if steps.is_empty() && !self.is_known_block(&start) => false,
                     Start::Block(prefix, number) => {
                         Missing::block(*prefix, *number).is_none_or(|missing| !self.found.things.contains_key(&missing))

@@ -95,7 +95,7 @@ impl SclBinder<'_, '_> {
     fn thing_inner(&mut self, ctx: &mut SclBlock, node: &Node, intent: Intent) -> Option<Thing> {
         let span = node.span;
         match &node.kind {
-            NodeKind::Name(name) if self.is_unknown_symbol(ctx, name) => {
+            NodeKind::Name(name) if self.is_unknown_symbol(ctx, name, span) => {
                 self.program.globals.unknown_name(&name.text, span, std::iter::empty());
                 None
             }

@@ -142,15 +142,19 @@ impl SclBinder<'_, '_> {
             && !self.program.globals.names.symbols.contains_key(&fold(&name.text))
     }
 
-    /// True of `"Start"` alone in a chart of S7-GRAPH V5 with a step or transition of that name. Its data as a whole are not a value, so the
-    /// name means a symbol that nothing defines.
-    pub(super) fn is_unknown_symbol(&self, ctx: &SclBlock, name: &Name) -> bool {
-        let folded = fold(&name.text);
+    /// True of a name in quotes that is used as a value and means a symbol that nothing defines: `"Start"` alone in a chart of S7-GRAPH V5 with a
+    /// step or transition of that name, whose data as a whole are not a value, and `"Limit"`, which is a function of the library only where it is
+    /// called.
+    pub(super) fn is_unknown_symbol(&self, ctx: &SclBlock, name: &Name, span: Span) -> bool {
+        let globals = &self.program.globals;
         name.form == NameForm::Quoted
-            && ctx.scope.address_numbers
-            && ctx.block.bound.locals.get(&folded).is_some_and(|local| is_step_or_transition(&local.ty))
-            && !self.program.globals.names.constants.contains_key(&folded)
-            && !self.program.globals.names.symbols.contains_key(&folded)
+            && match ctx.block.bound.locals.get(&fold(&name.text)) {
+                Some(local) => {
+                    let is_defined = globals.is_defined(&name.text);
+                    ctx.scope.address_numbers && is_step_or_transition(&local.ty) && !is_defined
+                }
+                None => span.file != SYSTEM_FILE && globals.is_only_in_library(&name.text),
+            }
     }
 
     /// The library block with the name of a function, if the program does not mean its own.

@@ -139,6 +139,14 @@ impl StlBinder<'_, '_> {
     fn unfit<T>(&mut self, class: OperandClass, mnemonic: Span, span: Span, settled: &Settled) -> Option<T> {
         let (does, help) = wanted(class);
         let (name, text) = (self.program.globals.text(mnemonic), self.program.globals.text(span));
+        // A name in quotes is one of the program, also where the library has a function of that name.
+        let symbol = text.trim_matches('"');
+        if let (Settled::Block { .. }, true) =
+            (settled, text.starts_with('"') && self.program.globals.is_only_in_library(symbol))
+        {
+            self.program.globals.unknown_operand(symbol, span, std::iter::empty());
+            return None;
+        }
         let help = self.own_help(class, &text, span, settled).unwrap_or_else(|| help.to_string());
         let (code, is) = match settled {
             // The declared type does not fit; the address alone would be fine.
