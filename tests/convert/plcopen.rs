@@ -215,7 +215,9 @@ fn project_document(project: &Path) -> (String, Vec<plcc_diag::Diagnostic>) {
     let settings = Settings { pragmas: true, ..Settings::default() };
     let parsed = pipeline::parse(inputs::read(&[project.to_path_buf()]), &settings);
     assert!(!has_errors(&parsed.diagnostics), "{:#?}", parsed.diagnostics);
-    whole::document(&parsed, &config(&parsed), "Line")
+    // Settings of OBs by their names need the names of the program.
+    let config = pipeline::front(inputs::read(&[project.to_path_buf()]), &settings).program.config;
+    whole::document(&parsed, &config, "Line")
 }
 
 /// Operands and calls that PLCopen XML does not have are told once.

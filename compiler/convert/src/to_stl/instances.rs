@@ -2,7 +2,9 @@
 
 use plcc_diag::{Code, Diagnostic};
 use plcc_syntax::ast::{self, Block, BlockName, CodeBlock, SectionKind, SourceUnit, TypeKind, TypeRef};
+use plcc_syntax::network::ast::{Content, Element, Target};
 use plcc_syntax::network::elements::{Kind, find_sd};
+use plcc_syntax::scl::ast::{Expr, ExprKind};
 
 use super::types::Types;
 use crate::xml::system;
@@ -31,7 +33,9 @@ pub(super) fn of_block(block: &CodeBlock, types: &Types) -> Vec<Diagnostic> {
     let mut messages = Vec::new();
     for section in &block.sections {
         for variable in &section.variables {
-            let is_parameter = section.kind == SectionKind::InOut && is_instance(&variable.ty, types);
+            let is_parameter = section.kind == SectionKind::InOut
+                && is_instance(&variable.ty, types)
+                && (types.is_function_block(&variable.ty) || may_call(block, &variable.name));
             let found = if is_parameter { Some(PARAMETER) } else { inside(&variable.ty, types) };
             if let Some((what, help)) = found {
                 let title = format!("STL has no form for {what}");
@@ -41,6 +45,26 @@ pub(super) fn of_block(block: &CodeBlock, types: &Types) -> Vec<Diagnostic> {
         }
     }
     messages
+}
+
+/// Whether a block may call an instance that it was given. Of timers and counters that it only reads, STL takes the values.
+fn may_call(block: &CodeBlock, name: &str) -> bool {
+    let is_own = |instance: &Expr| match &instance.kind {
+        ExprKind::Name(own) => own.text.eq_ignore_ascii_case(name),
+        _ => false,
+    };
+    let calls = |element: &Element| match &element.target {
+        Target::Element { instance, .. } => instance.as_ref().is_some_and(is_own),
+        Target::Block { callee, instance } => is_own(callee) || instance.as_ref().is_some_and(is_own),
+    };
+    match &block.code {
+        ast::Code::Graphic(body) => body.networks.iter().any(|network| match &network.content {
+            Content::Graphic(graph) => graph.elements.iter().any(calls),
+            Content::Scl(_) => true,
+            Content::Stl(_) => false,
+        }),
+        _ => true,
+    }
 }
 
 /// What is wrong with the elements and components of a type.
