@@ -45,11 +45,14 @@ use tasks::Task;
 /// The bodies are written again until their names are settled, but not more often than this.
 const ROUNDS_MAX: usize = 8;
 
+/// The number and the class of an organization block, as far as its source tells them.
+pub type ToldOb = (Option<u32>, Option<ObClass>);
+
 /// What is written of a program besides its sources.
 pub struct Settings<'s> {
     pub name: &'s str,
-    /// The number and the class of an OB, by its name, if its source tells them.
-    pub told_ob: &'s dyn Fn(&str) -> (Option<u32>, Option<ObClass>),
+    /// What the source tells of an OB, by its name.
+    pub told_ob: &'s dyn Fn(&str) -> ToldOb,
     /// The period of a cyclic OB, by its number and whether it has a name of its own.
     pub period_ms: &'s dyn Fn(u16, bool) -> u32,
 }

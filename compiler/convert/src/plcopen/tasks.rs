@@ -5,8 +5,8 @@ use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, DataContent}
 use plcc_syntax::scl::ast::{ExprKind, Statement, StatementKind};
 use plcc_syntax::symbols::has_own_name;
 
-use super::Settings;
 use super::program::{Global, Program};
+use super::{Settings, ToldOb};
 use crate::node::Node;
 use crate::writer::Writer;
 
@@ -36,7 +36,7 @@ impl Task {
 }
 
 /// The number and the class of an OB.
-fn class(program: &Program, block: &CodeBlock, settings: &Settings) -> (Option<u32>, Option<ObClass>) {
+fn class(program: &Program, block: &CodeBlock, settings: &Settings) -> ToldOb {
     let attribute = |names: &[&str]| {
         let named = |(key, _): &&(String, String)| names.iter().any(|name| name.eq_ignore_ascii_case(key));
         block.header.attributes.iter().find(named).map(|(_, value)| value.as_str())
