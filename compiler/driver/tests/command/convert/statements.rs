@@ -489,17 +489,20 @@ fn instances_that_stl_does_not_have_are_refused_where_they_are_declared() {
          END_NETWORK\nEND_FUNCTION_BLOCK\n"
     );
     let folder = folder_with(&[("line.scl", &scl), ("motor.scl", motor), ("line.s7dcl", &networks)]);
-    for sources in [&["line.scl"][..], &["line.s7dcl", "motor.scl"]] {
+    // Of a timer that networks only read, STL of an S7-1500 takes the values.
+    for (sources, parameters) in [(&["line.scl"][..], 2), (&["line.s7dcl", "motor.scl"], 1)] {
         let arguments = [&["convert"][..], sources, &["--to", "stl", "--cpu", "s7-1500", "-o", "made/"]].concat();
         let made = plcc(&folder, &arguments);
         let said = text(&made.stderr);
         assert_eq!(made.status.code(), Some(3), "{said}");
-        for (what, count) in
-            [("an instance as an in-out parameter", 2), ("an array of instances", 1), ("an instance in a structure", 1)]
-        {
+        for (what, count) in [
+            ("an instance as an in-out parameter", parameters),
+            ("an array of instances", 1),
+            ("an instance in a structure", 1),
+        ] {
             assert_eq!(said.matches(&format!("STL has no form for {what}\n")).count(), count, "{what}: {said}");
         }
-        assert!(said.contains("plcc: 4 errors"), "{said}");
+        assert!(said.contains(&format!("plcc: {} errors", parameters + 2)), "{said}");
     }
 }
 
