@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use plcc_abi::image::Config;
 use plcc_driver::cli::Level;
 use plcc_driver::command::convert::whole;
 use plcc_driver::inputs::{self, TestInput};
@@ -103,7 +102,7 @@ fn as_project(path: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Resu
         return None;
     }
     split(&mut parsed);
-    let (written, messages) = whole::document(&parsed, &config(&parsed), "Test");
+    let (written, messages) = whole::document(&parsed, None, "Test");
     if let Some(first) = messages.iter().find(|message| message.is_error()) {
         *refused.entry(first.title.clone()).or_default() += 1;
         return None;
@@ -158,7 +157,7 @@ fn project(folder: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Resul
         *refused.entry("(timers and edges of other editors)".to_string()).or_default() += 1;
         return None;
     }
-    let (written, messages) = whole::document(&parsed, &config(&parsed), "Test");
+    let (written, messages) = whole::document(&parsed, None, "Test");
     if let Some(first) = messages.iter().find(|message| message.is_error()) {
         *refused.entry(first.title.clone()).or_default() += 1;
         return None;
@@ -205,19 +204,13 @@ fn projects_pass_their_scenarios() {
     assert!(count > 4, "only {count} projects; {refused:#?}");
 }
 
-/// The settings of a project.
-fn config(parsed: &Parsed) -> Config {
-    parsed.project.as_ref().map(|project| project.config.clone()).unwrap_or_default()
-}
-
 /// The project as a document, and messages.
 fn project_document(project: &Path) -> (String, Vec<plcc_diag::Diagnostic>) {
     let settings = Settings { pragmas: true, ..Settings::default() };
     let parsed = pipeline::parse(inputs::read(&[project.to_path_buf()]), &settings);
     assert!(!has_errors(&parsed.diagnostics), "{:#?}", parsed.diagnostics);
-    // Settings of OBs by their names need the names of the program.
-    let config = pipeline::front(inputs::read(&[project.to_path_buf()]), &settings).program.config;
-    whole::document(&parsed, &config, "Line")
+    let program = pipeline::front(inputs::read(&[project.to_path_buf()]), &settings).program;
+    whole::document(&parsed, Some(&program), "Line")
 }
 
 /// Operands and calls that PLCopen XML does not have are told once.
@@ -236,7 +229,7 @@ fn what_is_refused_is_told_once() {
         let file = folder.path().join("a.scl");
         fs::write(&file, source).expect("a file");
         let parsed = pipeline::parse(inputs::read(&[file]), &Settings::default());
-        let (_, messages) = whole::document(&parsed, &config(&parsed), "Test");
+        let (_, messages) = whole::document(&parsed, None, "Test");
         let titles: Vec<&str> = messages.iter().filter(|one| one.is_error()).map(|one| one.title.as_str()).collect();
         assert_eq!(titles, [wanted], "{statement}");
     }
@@ -286,7 +279,7 @@ fn titles_and_comments_of_networks_are_kept() {
         })
         .collect();
     assert_eq!(titles(&parsed), wanted);
-    let (written, messages) = whole::document(&parsed, &config(&parsed), "Test");
+    let (written, messages) = whole::document(&parsed, None, "Test");
     assert!(!has_errors(&messages), "{messages:#?}");
     fs::write(&file, written).expect("a file");
     let again = pipeline::parse(inputs::read(&[file]), &Settings::default());

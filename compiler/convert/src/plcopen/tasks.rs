@@ -53,7 +53,10 @@ fn class(program: &Program, block: &CodeBlock, settings: &Settings) -> ToldOb {
     let number = own.or_else(|| attribute(&["S7_BlockNumber"]).and_then(|text| text.trim().parse().ok())).or(told);
     let said = attribute(&["S7_EventClass", "SecondaryType"]).map(ObClass::of_name);
     let by_number = || match number {
-        Some(number) => u16::try_from(number).ok().and_then(ObClass::of_number).or(Some(ObClass::ProgramCycle)),
+        Some(number) => {
+            let of_number = u16::try_from(number).ok().and_then(ObClass::of_number);
+            of_number.or(told_class).or(Some(ObClass::ProgramCycle))
+        }
         None => told_class.or(Some(ObClass::ProgramCycle)),
     };
     (number, said.unwrap_or_else(by_number))

@@ -1,13 +1,13 @@
 //! `plcc convert --to plcopen`: a whole program as one document.
 
-use plcc_abi::image::Config;
+use plcc_abi::image::BlockKind;
 use plcc_abi::ob::CYCLIC_PERIOD_MS;
 use plcc_convert::own_types::OwnTypes;
 use plcc_convert::plcopen::{self, Settings, Unit};
 use plcc_convert::to_stl::types::Types;
 use plcc_convert::{to_graph, with_pragmas};
 use plcc_diag::{Diagnostic, FileId};
-use plcc_model::profile;
+use plcc_model::{Program, profile};
 use plcc_readers::plcopen as reader;
 use plcc_readers::simatic_ml::Remarks;
 use plcc_readers::xml::XmlKind;
@@ -42,14 +42,14 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
     let mut files = Vec::new();
     if messages.is_empty() {
         // Names and types decide what a statement means, so the program must be whole.
-        let config = match bound(args, &parsed, None) {
-            Ok(bound) => bound.program.config,
+        let program = match bound(args, &parsed, None) {
+            Ok(bound) => bound.program,
             Err(code) => return code,
         };
         let name = parsed.project.as_ref().and_then(|project| project.name.clone());
         let folder =
             args.inputs.first().and_then(|path| path.file_stem()).map(|name| name.to_string_lossy().into_owned());
-        let (text, found) = document(&parsed, &config, &name.or(folder).unwrap_or_default());
+        let (text, found) = document(&parsed, Some(&program), &name.or(folder).unwrap_or_default());
         messages.extend(found);
         let name = args.inputs.first().map_or_else(String::new, |path| path.to_string_lossy().into_owned());
         files.push(Converted { name, text, beside: Vec::new() });
@@ -62,13 +62,13 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
     store(args, Some(ConvertTo::Plcopen.extension()), &files, &[]).err().unwrap_or(exit::OK)
 }
 
-/// The document of a parsed program, and messages. `config`: the settings with which it is bound.
-pub fn document(parsed: &pipeline::Parsed, config: &Config, name: &str) -> (String, Vec<Diagnostic>) {
+/// The document of a parsed program, and messages. `program`: the same, bound; without it settings of plc.toml are not known.
+pub fn document(parsed: &pipeline::Parsed, program: Option<&Program>, name: &str) -> (String, Vec<Diagnostic>) {
     let cpu = parsed.project.as_ref().and_then(|project| project.cpu.as_ref());
     let named = cpu.and_then(|(name, _)| profile::lookup(name));
     let family = named.unwrap_or_else(|| plcc_program::implied_profile(&parsed.units)).family;
     let period_ms = |ob: u16, has_own_name: bool| {
-        let set = config.cyclic_period_ms.iter().find(|(number, _)| *number == ob);
+        let set = program.and_then(|program| program.config.cyclic_period_ms.iter().find(|(number, _)| *number == ob));
         match set {
             Some((_, ms)) => *ms,
             None if has_own_name && family.is_portal() => CYCLIC_PERIOD_MS,
@@ -81,7 +81,12 @@ pub fn document(parsed: &pipeline::Parsed, config: &Config, name: &str) -> (Stri
             Block::Code(CodeBlock { kind: CodeKind::Ob, name: BlockName::Symbol { name: own, .. }, .. }) => own == name,
             _ => false,
         };
-        blocks().find(is_named).map_or((None, None), plcc_program::told_ob)
+        let (number, class) = blocks().find(is_named).map_or((None, None), plcc_program::told_ob);
+        let bound = || {
+            let mut obs = program?.blocks.iter().filter(|block| block.kind == BlockKind::Ob);
+            obs.find(|block| block.name.eq_ignore_ascii_case(name)).map(|block| u32::from(block.number))
+        };
+        (number.or_else(bound), class)
     };
     let types = Types::new(parsed.units.iter().map(|(_, unit)| unit), &parsed.tables);
     let mut notes = Vec::new();
