@@ -157,7 +157,7 @@ fn project(folder: &Path, refused: &mut BTreeMap<String, usize>) -> Option<Resul
         *refused.entry("(timers and edges of other editors)".to_string()).or_default() += 1;
         return None;
     }
-    let (written, messages) = whole::document(&parsed, None, "Test");
+    let (written, messages) = whole::document(&parsed, Some(&bound.program), "Test");
     if let Some(first) = messages.iter().find(|message| message.is_error()) {
         *refused.entry(first.title.clone()).or_default() += 1;
         return None;
