@@ -234,10 +234,12 @@ impl Globals<'_> {
         !self.names.symbols.contains_key(&fold(name)) && plcc_stdlib::find_tia(name).is_some_and(SystemBlock::is_part)
     }
 
-    /// Whether the program or a symbol table defines a name.
+    /// Whether the program, a symbol table or the hardware defines a name.
     pub fn is_defined(&self, name: &str) -> bool {
         let folded = fold(name);
-        self.names.symbols.contains_key(&folded) || self.names.constants.contains_key(&folded)
+        self.names.symbols.contains_key(&folded)
+            || self.names.constants.contains_key(&folded)
+            || self.system_constant(name).is_some()
     }
 
     /// Whether only a block of the library has a name, which a tag of the program may have as well: `"Limit"`, `"Max"`.
