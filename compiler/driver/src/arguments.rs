@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(told(&["--version"]), None);
     }
 
-    /// What is told of arguments that the parser refuses.
+    /// What the user is told about arguments that the parser refuses.
     fn told_after(args: &[&str]) -> Option<String> {
         let args: Vec<OsString> = std::iter::once(&"plcc").chain(args).map(OsString::from).collect();
         let error = Cli::command().try_get_matches_from(&args).expect_err("the parser refuses it");

@@ -520,6 +520,22 @@ pub enum Actual {
 }
 
 impl Actual {
+    /// The elementary value that is passed, itself or by a pointer to its copy.
+    pub fn value(&self) -> Option<&Expr> {
+        match self {
+            Actual::Value(value) | Actual::PointerToValue { value, .. } => Some(value),
+            _ => None,
+        }
+    }
+
+    /// The structure, array or text whose value is passed, itself or by a pointer to its copy.
+    pub fn complex(&self) -> Option<&Complex> {
+        match self {
+            Actual::Complex(value) | Actual::PointerToComplex { value, .. } => Some(value),
+            _ => None,
+        }
+    }
+
     /// The ANY of a VARIANT; otherwise the actual itself.
     pub fn pointer(&self) -> &Actual {
         match self {

@@ -291,6 +291,21 @@ pub struct Variable {
     pub comment: Option<String>,
 }
 
+impl Variable {
+    /// A variable that nobody has written: without value, attributes and comment.
+    pub fn new(name: impl Into<String>, ty: TypeRef, span: Span) -> Variable {
+        Variable {
+            name: name.into(),
+            name_span: span,
+            attributes: Vec::new(),
+            at: None,
+            ty,
+            initial: None,
+            comment: None,
+        }
+    }
+}
+
 /// A data type as written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypeRef {

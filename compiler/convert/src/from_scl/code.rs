@@ -143,15 +143,10 @@ impl Maker<'_> {
         }
         let at = self.positions.code_start(self.tree);
         let span = Span { start: at, end: at, ..block.span };
-        let variables = self.temporaries.iter().map(|one| Variable {
-            name: one.name.clone(),
-            name_span: span,
-            attributes: Vec::new(),
-            at: None,
-            ty: TypeRef { kind: declared_type(&one.ty), span },
-            initial: None,
-            comment: None,
-        });
+        let variables = self
+            .temporaries
+            .iter()
+            .map(|one| Variable::new(&one.name, TypeRef { kind: declared_type(&one.ty), span }, span));
         let variables = variables.collect();
         block.sections.push(Section { kind: SectionKind::Temp, retain: ast::Retain::Unsaid, variables, span });
     }

@@ -57,28 +57,12 @@ impl Maker<'_> {
     }
 
     fn calls_something(&self, actual: &Actual) -> bool {
-        match actual {
-            Actual::Value(value) | Actual::PointerToValue { value, .. } => {
-                let may_change_data = |call: &Call| self.may_change_data(call);
-                let mut calls = Calls { may_change_data: &may_change_data, found: false };
-                walk::expr(value, &mut calls);
-                calls.found
-            }
-            Actual::Complex(Complex::Call(call)) | Actual::PointerToComplex { value: Complex::Call(call), .. } => {
-                self.may_change_data(call)
-                    || call.arguments.iter().any(|argument| self.calls_something(&argument.actual))
-            }
-            Actual::Complex(_)
-            | Actual::PointerToComplex { .. }
-            | Actual::Variable { .. }
-            | Actual::Reference(_)
-            | Actual::Number(_)
-            | Actual::Dropped
-            | Actual::PointerBytes(_)
-            | Actual::PointerTo { .. }
-            | Actual::PointerCopy(_)
-            | Actual::Variant(..) => false,
-        }
+        let may_change_data = |call: &Call| self.may_change_data(call);
+        let mut calls = Calls { may_change_data: &may_change_data, found: false };
+        actual.value().into_iter().for_each(|value| walk::expr(value, &mut calls));
+        calls.found
+            || matches!(actual.complex(), Some(Complex::Call(call)) if self.may_change_data(call)
+                || call.arguments.iter().any(|argument| self.calls_something(&argument.actual)))
     }
 
     /// Functions of the library change nothing but their outputs, and neither do those of the program that only compute a value.

@@ -45,15 +45,8 @@ pub fn named(block: &CodeBlock) -> Result<Option<CodeBlock>, Vec<Diagnostic>> {
     }
     let at = block.sections.iter().map(|section| section.span.end).max().unwrap_or(block.name.span().end);
     let span = Span { start: at, end: at, ..block.span };
-    let variables = names.into_values().map(|name| Variable {
-        name,
-        name_span: span,
-        attributes: Vec::new(),
-        at: None,
-        ty: TypeRef { kind: TypeKind::Named("BOOL".to_string()), span },
-        initial: None,
-        comment: None,
-    });
+    let bool = TypeRef { kind: TypeKind::Named("BOOL".to_string()), span };
+    let variables = names.into_values().map(|name| Variable::new(name, bool.clone(), span));
     match made.sections.iter_mut().find(|section| section.kind == SectionKind::Temp) {
         Some(section) => section.variables.extend(variables),
         None => {

@@ -316,14 +316,8 @@ impl Maker<'_> {
         }
         let at = block.code_start();
         let span = Span { start: at, end: at, ..block.span };
-        let variables = self.temporaries.iter().map(|(name, ty)| Variable {
-            name: name.clone(),
-            name_span: span,
-            attributes: Vec::new(),
-            at: None,
-            ty: TypeRef { kind: TypeKind::Named(ty.name().to_string()), span },
-            initial: None,
-            comment: None,
+        let variables = self.temporaries.iter().map(|(name, ty)| {
+            Variable::new(name, TypeRef { kind: TypeKind::Named(ty.name().to_string()), span }, span)
         });
         let retain = ast::Retain::Unsaid;
         match block.sections.iter_mut().find(|section| section.kind == SectionKind::Temp) {

@@ -42,13 +42,6 @@ pub fn moment() -> (String, Vec<Variable>) {
 }
 
 fn component(name: &str, ty: &str) -> Variable {
-    Variable {
-        name: name.to_string(),
-        name_span: Span::default(),
-        attributes: Vec::new(),
-        at: None,
-        ty: TypeRef { kind: TypeKind::Named(ty.to_string()), span: Span::default() },
-        initial: None,
-        comment: None,
-    }
+    let ty = TypeRef { kind: TypeKind::Named(ty.to_string()), span: Span::default() };
+    Variable::new(name, ty, Span::default())
 }

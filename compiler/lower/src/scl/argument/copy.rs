@@ -173,16 +173,5 @@ impl BlockLowering<'_, '_> {
 
 /// Whether an argument that is a value contains a call.
 fn calls_something(actual: &Actual) -> bool {
-    match actual {
-        Actual::Value(value) | Actual::PointerToValue { value, .. } => value_calls_something(value),
-        Actual::Complex(value) | Actual::PointerToComplex { value, .. } => matches!(value, Complex::Call(_)),
-        Actual::Variable { .. }
-        | Actual::Reference(_)
-        | Actual::Number(_)
-        | Actual::Dropped
-        | Actual::PointerBytes(_)
-        | Actual::PointerTo { .. }
-        | Actual::PointerCopy(_)
-        | Actual::Variant(..) => false,
-    }
+    actual.value().is_some_and(value_calls_something) || matches!(actual.complex(), Some(Complex::Call(_)))
 }

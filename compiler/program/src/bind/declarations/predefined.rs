@@ -104,15 +104,7 @@ fn declared(name: &str, part: Part) -> Variable {
         Part::Structure(name) => named(name),
         Part::Structures(name, count) => array(named(name), count),
     };
-    Variable {
-        name: name.to_string(),
-        name_span: span,
-        attributes: Vec::new(),
-        at: None,
-        ty,
-        initial: None,
-        comment: None,
-    }
+    Variable::new(name, ty, span)
 }
 
 impl Declarations<'_> {

@@ -26,25 +26,12 @@ pub fn name_of(missing: &Missing, shape: &Shape, span: Span) -> BlockName {
     }
 }
 
-/// A declaration without a value.
-pub fn variable(name: &str, ty: TypeRef, span: Span) -> Variable {
-    Variable {
-        name: name.to_string(),
-        name_span: span,
-        attributes: Vec::new(),
-        at: None,
-        ty,
-        initial: None,
-        comment: None,
-    }
-}
-
 /// Components as they are used, in the order of their first use.
 pub fn members(shape: &Shape, span: Span) -> Vec<Variable> {
     let mut list: Vec<Variable> =
-        shape.members.iter().map(|(_, member)| variable(&member.name, type_of(member, span), span)).collect();
+        shape.members.iter().map(|(_, member)| Variable::new(&member.name, type_of(member, span), span)).collect();
     if list.is_empty() && shape.elements.is_none() {
-        list.push(variable("UNKNOWN", named("WORD", span), span));
+        list.push(Variable::new("UNKNOWN", named("WORD", span), span));
     }
     list
 }
@@ -173,7 +160,11 @@ pub fn written_structure(structure: &StructType, span: Span) -> TypeRef {
             TypeKind::Block(BlockName::Numbered { prefix, number: u32::from(number), span })
         }
         None if structure.name.is_empty() => TypeKind::Struct(
-            structure.members.iter().map(|member| variable(&member.name, written(&member.ty, span), span)).collect(),
+            structure
+                .members
+                .iter()
+                .map(|member| Variable::new(&member.name, written(&member.ty, span), span))
+                .collect(),
         ),
         None => match structure.name.strip_prefix("UDT ").and_then(|number| number.parse().ok()) {
             Some(number) => TypeKind::Block(BlockName::Numbered { prefix: BlockPrefix::Udt, number, span }),

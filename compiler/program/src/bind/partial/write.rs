@@ -12,7 +12,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::evidence::{Evidence, Guess, Interface, Shape};
 use super::size;
 use super::types::{
-    elementary_of, has_components, members, name_of, named, parameter_type, type_of, variable, written_structure,
+    elementary_of, has_components, members, name_of, named, parameter_type, type_of, written_structure,
 };
 use plcc_binding::fold;
 use plcc_binding::stand_ins::Missing;
@@ -339,7 +339,7 @@ fn content(shape: &Shape, span: Span) -> (DataContent, String) {
     if bytes > 0 {
         let bounds = vec![(Bound::Number(0, span), Bound::Number(i64::from(bytes) - 1, span))];
         let kind = TypeKind::Array { bounds, element: Box::new(named("BYTE", span)) };
-        list.push(variable("ADDRESSED", TypeRef { kind, span }, span));
+        list.push(Variable::new("ADDRESSED", TypeRef { kind, span }, span));
     }
     (DataContent::Struct(list), what)
 }
@@ -360,7 +360,7 @@ fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::Code
             .map(|formal| {
                 let member = shape.members.iter().find(|(name, _)| fb && *name == fold(&formal.name));
                 let whole = member.map_or_else(|| formal.shape.clone(), |(_, member)| joined(&formal.shape, member));
-                variable(&formal.name, parameter_type(&whole, output, fb, span), span)
+                Variable::new(&formal.name, parameter_type(&whole, output, fb, span), span)
             })
             .collect()
     };
@@ -371,7 +371,7 @@ fn code_block(name: BlockName, shape: &Shape, fb: bool, span: Span) -> ast::Code
         let others = shape.members.iter().filter(|(name, _)| !is_formal(name));
         section(
             SectionKind::Static,
-            others.map(|(_, member)| variable(&member.name, type_of(member, span), span)).collect(),
+            others.map(|(_, member)| Variable::new(&member.name, type_of(member, span), span)).collect(),
         );
     }
     ast::CodeBlock {

@@ -246,15 +246,7 @@ fn array(name: &str, types: Vec<TypeKind>, component: &str, numbers: impl Iterat
 }
 
 fn variable(name: &str, kind: TypeKind) -> Variable {
-    Variable {
-        name: name.to_string(),
-        name_span: nowhere(),
-        attributes: Vec::new(),
-        at: None,
-        ty: TypeRef { kind, span: nowhere() },
-        initial: None,
-        comment: None,
-    }
+    Variable::new(name, TypeRef { kind, span: nowhere() }, nowhere())
 }
 
 /// Numbers beyond INT are reported by the analysis.
