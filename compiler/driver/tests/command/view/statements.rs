@@ -1,23 +1,37 @@
 //! Pictures of statement lists.
 
+use std::collections::HashMap;
 use std::fs;
-use std::process::Command;
 
-use crate::{PLCC, plcc};
+use crate::plcc;
+
+/// The pictures of the networks of a source, by their names: `FC_1_network_1`.
+fn pictures(file: &str, source: &str, flags: &[&str]) -> HashMap<String, String> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    fs::write(folder.join(file), source).expect("the folder can be written");
+    let output = plcc(folder, &[&["view", file, "-o", "drawings"][..], flags].concat());
+    let files = fs::read_dir(folder.join("drawings"));
+    let files = files.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let named = |file: fs::DirEntry| {
+        let name = file.file_name().to_string_lossy().replace(".svg", "");
+        (name, fs::read_to_string(file.path()).expect("a picture"))
+    };
+    files.map(|file| named(file.expect("the folder can be read"))).collect()
+}
+
+/// Pictures for an S7-300.
+const S7_300: &[&str] = &["--cpu", "315-2DP"];
 
 /// STEP 7 writes `BLD 101` after CU and CD of a box.
 #[test]
 fn a_counter_with_bld_is_a_box() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nA I 0.0; CU C 5; BLD 101; A I 0.1; CD C 5; BLD 101; A I 0.2; L C#10; S C 5; \
                   A I 0.3; R C 5; L C 5; T MW 40; LC C 5; T MW 42; A C 5; = Q 4.5;\nNETWORK\nA I 0.4; CU C 6; BLD 101; NOP 0; \
                   A I 0.5; L C#3; S C 6; NOP 0; L C 6; T MW 44; NOP 0; A C 6; = Q 4.6;\nEND_FUNCTION\n";
-    fs::write(folder.join("count.awl"), source).expect("the folder can be written");
-    let output = plcc(folder, &["view", "count.awl", "--cpu", "315-2DP", "-o", "drawings"]);
+    let pictures = pictures("count.awl", source, S7_300);
     for (number, title, others) in [(1, "S_CUD", ["CD", "CV_BCD"]), (2, "S_CU", ["CV", "CV_BCD"])] {
-        let picture = fs::read_to_string(folder.join(format!("drawings/FC_1_network_{number}.svg")));
-        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        let picture = &pictures[&format!("FC_1_network_{number}")];
         for text in [title, "CU", "S", "PV", "R", "CV"].into_iter().chain(others) {
             assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
         }
@@ -29,8 +43,6 @@ fn a_counter_with_bld_is_a_box() {
 /// STEP 7 writes parallel boxes, and logic at the pin of a box, with bits of local data.
 #[test]
 fn a_local_bit_of_boxes_is_a_line() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let boxes = "NETWORK\nA I 0.0;\n= L 20.0;\nA L 20.0;\nJNB _001;\nL 1;\nT MW 30;\n_001: NOP 0;\nA L 20.0;\nJNB _002;\nL 2;\nT MW 32;\n\
                  _002: NOP 0;\nA L 20.0;\nA I 0.1;\n= Q 4.0;\n";
     let pin = "NETWORK\nA I 0.2;\nA I 0.3;\n= L 20.1;\nBLD 103;\nCALL FC 6 (a := L 20.1);\n";
@@ -40,15 +52,13 @@ fn a_local_bit_of_boxes_is_a_line() {
         "FUNCTION FC 5 : VOID\nBEGIN\n{boxes}{pin}{late}END_FUNCTION\nFUNCTION FC 6 : VOID\nVAR_INPUT\n  a : BOOL;\nEND_VAR\n\
          BEGIN\nNETWORK\nA #a;\n= Q 4.2;\nEND_FUNCTION\n"
     );
-    fs::write(folder.join("boxes.awl"), source).expect("the folder can be written");
-    let output = plcc(folder, &["view", "boxes.awl", "--cpu", "315-2DP", "-o", "drawings"]);
+    let pictures = pictures("boxes.awl", &source, S7_300);
     for (number, counts) in [
         (1, [(">I 0.0<", 1), (">MOVE<", 2), (">L 20.0<", 0)]),
         (2, [(">I 0.3<", 1), (">a<", 1), (">L 20.1<", 0)]),
         (3, [(">I 0.6<", 1), (">MOVE<", 1), (">L 20.2<", 2)]),
     ] {
-        let picture = fs::read_to_string(folder.join(format!("drawings/FC_5_network_{number}.svg")));
-        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        let picture = &pictures[&format!("FC_5_network_{number}")];
         for (text, count) in counts {
             assert_eq!(picture.matches(text).count(), count, "{text} in {picture}");
         }
@@ -58,15 +68,11 @@ fn a_local_bit_of_boxes_is_a_line() {
 /// Pointers, for which networks have no constants, are drawn as they are written.
 #[test]
 fn a_call_with_pointers_after_a_contact_is_a_box() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nA I 0.0; JNB _001;\nCALL SFC 20 (SRCBLK := P#M 0.0 BYTE 4, RET_VAL := MW 50, \
                   DSTBLK := P#DB10.DBX0.0 BYTE 4);\n_001: NOP 0;\nEND_FUNCTION\nDATA_BLOCK DB 10\nSTRUCT\n  a : DWORD;\nEND_STRUCT\n\
                   BEGIN\nEND_DATA_BLOCK\n";
-    fs::write(folder.join("move.awl"), source).expect("the folder can be written");
-    let output = plcc(folder, &["view", "move.awl", "--cpu", "315-2DP", "-o", "drawings"]);
-    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
-    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let pictures = pictures("move.awl", source, S7_300);
+    let picture = &pictures["FC_1_network_1"];
     for text in ["I 0.0", "EN", "P#M 0.0 BYTE 4", "MW 50", "P#DB10.DBX0.0 BYTE 4"] {
         assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
     }
@@ -75,13 +81,9 @@ fn a_call_with_pointers_after_a_contact_is_a_box() {
 /// STEP 7 writes `SAVE; BEC` for the coil RET.
 #[test]
 fn a_conditional_end_is_a_coil() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\nA I 0.0; AN I 0.1; SAVE; BEC;\nNETWORK\nA I 0.2; = Q 0.0;\nEND_FUNCTION\n";
-    fs::write(folder.join("end.awl"), source).expect("the folder can be written");
-    let output = plcc(folder, &["view", "end.awl", "--cpu", "315-2DP", "-o", "drawings"]);
-    let picture = fs::read_to_string(folder.join("drawings/FC_1_network_1.svg"));
-    let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    let pictures = pictures("end.awl", source, S7_300);
+    let picture = &pictures["FC_1_network_1"];
     for text in ["I 0.0", "I 0.1", "RET"] {
         assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
     }
@@ -89,13 +91,10 @@ fn a_conditional_end_is_a_coil() {
 
 #[test]
 fn marks_and_returns_of_the_s7_200_look_as_in_micro_win() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let source = "ORGANIZATION_BLOCK MAIN:OB1\nBEGIN\nNetwork 1\nLSCR S0.1\nNetwork 2\nLD I0.0\nSCRT S0.2\nNetwork 3\nSCRE\n\
                   Network 4\nLD I0.1\nJMP 5\nNetwork 5\nLBL 5\nNetwork 6\nLD SM0.0\nCALL SBR0\nEND_ORGANIZATION_BLOCK\n\
                   SUBROUTINE_BLOCK Stop_all:SBR0\nBEGIN\nNetwork 1\nLD I0.2\nCRET\nEND_SUBROUTINE_BLOCK\n";
-    fs::write(folder.join("main.awl"), source).expect("the folder can be written");
-    let output = plcc(folder, &["view", "main.awl", "-o", "drawings"]);
+    let pictures = pictures("main.awl", source, &[]);
     for (name, text, is_box) in [
         ("OB_1_network_1", "SCR", true),
         ("OB_1_network_2", "SCRT", false),
@@ -104,8 +103,7 @@ fn marks_and_returns_of_the_s7_200_look_as_in_micro_win() {
         ("OB_1_network_6", "Stop_all", true),
         ("SBR_0_network_1", "RET", false),
     ] {
-        let picture = fs::read_to_string(folder.join(format!("drawings/{name}.svg")));
-        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        let picture = &pictures[name];
         assert!(picture.contains(&format!(">{text}<")), "{text} in {picture}");
         assert_eq!(picture.contains("class=\"b\""), is_box, "{text} in {picture}");
     }
@@ -114,8 +112,6 @@ fn marks_and_returns_of_the_s7_200_look_as_in_micro_win() {
 /// STEP 7 writes branches with bits of local data. Bits that something else reads are drawn as coils.
 #[test]
 fn a_local_bit_of_a_branch_is_a_line() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let folder = folder.path();
     let branch =
         "NETWORK\nA I 0.0;\nAN I 0.1;\n= L 20.0;\nA L 20.0;\nBLD 102;\n= Q 4.0;\nA L 20.0;\nA I 0.2;\n= Q 4.1;\n";
     let read = "NETWORK\nA I 0.0;\n= L 20.1;\nA L 20.1;\n= Q 4.2;\nA I 0.3;\nA L 20.1;\n= Q 4.3;\n";
@@ -124,17 +120,14 @@ fn a_local_bit_of_a_branch_is_a_line() {
     let late = "NETWORK\nA I 0.0;\n= L 20.3;\nA I 0.6;\n= Q 4.5;\nA L 20.3;\nA Q 4.5;\n= Q 4.6;\n";
     let head = "FUNCTION FC 5 : VOID\nVAR_TEMP\n  own : ARRAY [0 .. 21] OF BYTE;\nEND_VAR\nBEGIN\n";
     let source = format!("{head}{branch}{read}{joined}{late}END_FUNCTION\n");
-    fs::write(folder.join("branch.stl"), source).expect("the folder can be written");
-    let arguments = ["view", "branch.stl", "--cpu", "315-2DP", "-o", "drawings"];
-    let output = Command::new(PLCC).current_dir(folder).args(arguments).output().expect("plcc starts");
+    let pictures = pictures("branch.stl", &source, S7_300);
     for (number, wanted) in [
         (1, [(">I 0.0<", 1), (">I 0.2<", 1), (">L 20.0<", 0)]),
         (2, [(">I 0.0<", 1), (">Q 4.3<", 1), (">L 20.1<", 3)]),
         (3, [(">I 0.0<", 1), (">Q 4.4<", 1), (">L 20.2<", 3)]),
         (4, [(">I 0.0<", 1), (">Q 4.5<", 2), (">L 20.3<", 2)]),
     ] {
-        let picture = fs::read_to_string(folder.join(format!("drawings/FC_5_network_{number}.svg")));
-        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        let picture = &pictures[&format!("FC_5_network_{number}")];
         for (text, count) in wanted {
             assert_eq!(picture.matches(text).count(), count, "{text} in {picture}");
         }
