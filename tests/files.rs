@@ -45,6 +45,7 @@ const LANGUAGES: [&str; 6] = ["stl", "awl", "scl", "s7dcl", "gr7", "xml"];
 const RUN_GROUP: usize = 40;
 
 fn main() -> ExitCode {
+    plcc_tests::provide_runtimes();
     let arguments = Arguments::from_args();
     let trials = trials(&|name| is_selected(&arguments, name));
     libtest_mimic::run(&arguments, trials).exit_code()

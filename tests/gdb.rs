@@ -12,6 +12,7 @@ use plcc_driver::{inputs, link};
 use plcc_tests::kernels;
 
 fn main() -> ExitCode {
+    plcc_tests::provide_runtimes();
     let missing = !kernels::has("gdb");
     let trial = |name: &str, check: fn() -> Result<(), String>| {
         let run = move || plcc_driver::on_large_stack(check).and_then(|result| result).map_err(Failed::from);

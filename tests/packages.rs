@@ -25,6 +25,7 @@ use sha2::{Digest as _, Sha256};
 use units::library::{STATUS_ERROR, STATUS_OK, STATUS_WARNING, Unit};
 
 fn main() -> ExitCode {
+    plcc_tests::provide_runtimes();
     let arguments = Arguments::from_args();
     let python = kernels::python();
     let found = Command::new(&python).args(["-c", "import fmpy"]).output();

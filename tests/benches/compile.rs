@@ -29,6 +29,7 @@ const MEASURED: &str = "measured:";
 const BUILD: &str = "--plcc";
 
 fn main() -> ExitCode {
+    plcc_tests::provide_runtimes();
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if arguments.first().is_some_and(|first| first == BUILD) {
         let code = plcc_driver::main_with(arguments);

@@ -25,6 +25,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use process::{Plc, Program, free_port, get};
 
 fn main() {
+    plcc_tests::provide_runtimes();
     let trial = |name: &str, missing: Option<String>, run: fn() -> Result<(), Failed>| {
         if let Some(reason) = &missing {
             eprintln!("{name} is ignored: {reason}");

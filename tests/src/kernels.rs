@@ -9,7 +9,7 @@ use plcc_driver::cli::Level;
 use plcc_driver::link;
 use plcc_driver::pipeline::{self, Settings};
 
-use crate::{bind_file, files, tests_folder};
+use crate::{bind_file, files, provide_runtimes, tests_folder};
 
 /// Endings of the sources.
 const LANGUAGES: [&str; 5] = ["stl", "awl", "scl", "s7dcl", "gr7"];
@@ -88,6 +88,7 @@ pub fn build_program(source: &Path, out: &Path) -> Result<(), String> {
     let compiled = pipeline::back(&bind_file(source, &settings)?, Level::O2);
     let object = plcc_codegen::compile_object(&compiled.module, &compiled.image_bytes(), &compiled.codegen_options())
         .map_err(|error| error.to_string())?;
+    provide_runtimes();
     link::link(&[object], out, None).map_err(|error| error.to_string())
 }
 

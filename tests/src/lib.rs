@@ -163,8 +163,14 @@ pub fn native_variants() -> Vec<Variant> {
     [Form::Jit, Form::Exe].map(|form| Variant { form, optimization }).to_vec()
 }
 
+/// Lets this process link executables.
+pub fn provide_runtimes() {
+    plcc_driver::link::provide(plcc_prebuilt::RUNTIMES);
+}
+
 /// A plan for `variants` with nothing else set.
 pub fn plan(variants: Vec<Variant>) -> Plan {
+    provide_runtimes();
     Plan { settings: Settings::default(), variants, linker: None, coverage: false }
 }
 

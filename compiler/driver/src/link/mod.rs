@@ -16,12 +16,13 @@ mod compiler;
 mod load;
 mod place;
 mod relocate;
+mod runtimes;
 mod template;
 mod write;
 
 pub use load::loadable;
-use template::Template;
-pub use template::{Form, Runtime};
+pub use runtimes::provide;
+pub use template::{Form, Runtime, Template};
 
 /// The C compiler that links where plcc cannot.
 const COMPILER: &str = "cc";

@@ -1,6 +1,6 @@
 //! The runtime as an executable or a shared library with room for a program.
 //!
-//! `plcc_prebuilt` has them.
+//! `plcc_prebuilt` has them, and [`provide`](super::provide) names them.
 
 use object::LittleEndian;
 use object::elf::{self, FileHeader64, ProgramHeader64, SectionHeader64, Sym64};
@@ -8,6 +8,7 @@ use object::read::elf::{FileHeader as _, ProgramHeader as _, SectionHeader as _,
 use plcc_abi::linked;
 
 use super::LinkError;
+use super::runtimes::provided;
 
 /// What is linked with a program besides it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,12 +31,13 @@ pub enum Form {
 impl Form {
     /// The template; empty if plcc was built without it.
     fn bytes(self) -> &'static [u8] {
+        let runtimes = provided();
         match self {
-            Form::Executable(Runtime::Plain) => plcc_prebuilt::EXECUTABLE,
-            Form::Executable(Runtime::Services) => plcc_prebuilt::EXECUTABLE_WITH_SERVICES,
-            Form::Static(Runtime::Plain) => plcc_prebuilt::STATIC,
-            Form::Static(Runtime::Services) => plcc_prebuilt::STATIC_WITH_SERVICES,
-            Form::Unit => plcc_prebuilt::UNIT,
+            Form::Executable(Runtime::Plain) => runtimes.executable,
+            Form::Executable(Runtime::Services) => runtimes.executable_with_services,
+            Form::Static(Runtime::Plain) => runtimes.without_libraries,
+            Form::Static(Runtime::Services) => runtimes.without_libraries_with_services,
+            Form::Unit => runtimes.unit,
         }
     }
 }
@@ -127,49 +129,5 @@ impl Template {
         let memory = memory.ok_or_else(|| missing(linked::MEMORY_SYMBOL))?;
         functions.sort_by_key(|(_, symbol)| symbol.st_value(ENDIAN));
         Ok(Template { bytes, header: *header, segments, sections, functions, memory, program, code, end })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use plcc_abi::RuntimeFn;
-    use std::collections::HashSet;
-
-    const FORMS: [Form; 5] = [
-        Form::Executable(Runtime::Plain),
-        Form::Executable(Runtime::Services),
-        Form::Static(Runtime::Plain),
-        Form::Static(Runtime::Services),
-        Form::Unit,
-    ];
-
-    #[test]
-    fn the_template_has_room_and_all_functions() {
-        for form in FORMS {
-            let template = Template::read(form).expect("plcc was built with it");
-            assert!(template.program.address < template.code.address);
-            let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
-            let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
-            for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
-                assert!(names.contains(name.as_bytes()), "{form:?}: {name}");
-            }
-        }
-    }
-
-    #[test]
-    fn services_are_only_where_they_are_asked_for() {
-        let bytes = |runtime| Template::read(Form::Executable(runtime)).expect("plcc was built with it").bytes.len();
-        let (plain, services) = (bytes(Runtime::Plain), bytes(Runtime::Services));
-        assert!(plain < 4_000_000 && plain + 200_000 < services, "{plain} {services}");
-    }
-
-    #[test]
-    fn no_segment_is_writable_and_executable() {
-        let segments = FORMS.map(|form| Template::read(form).expect("plcc was built with it").segments);
-        for segment in segments.iter().flatten() {
-            let flags = segment.p_flags(ENDIAN);
-            assert!(flags & elf::PF_W == 0 || flags & elf::PF_X == 0, "{flags}");
-        }
     }
 }

@@ -1,13 +1,19 @@
 //! A module of the IR becomes an executable that runs.
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::process::Command;
 
+use object::{LittleEndian, elf};
 use plcc_abi::image::{BlockEntry, BlockKind, Config, Family, Profile, ProgramImage};
-use plcc_abi::{RuntimeFn, Type};
+use plcc_abi::{RuntimeFn, Type, linked};
 use plcc_codegen::{CodegenOptions, compile_object};
-use plcc_driver::link::link;
+use plcc_driver::link::{self, Form, LinkError, Runtime, Template};
 use plcc_ir::{Address, FunctionBuilder, Module, Region};
+
+fn provide() {
+    link::provide(plcc_prebuilt::RUNTIMES);
+}
 
 /// OB 1 adds 1 to MW 0 and sets Q 4.0; MD 4 becomes the sine of 1.0.
 fn module() -> Module {
@@ -84,7 +90,8 @@ fn an_executable_runs_the_program() {
     let executable = folder.path().join("program");
     let image = postcard::to_stdvec(&image()).expect("an image can be encoded");
     let code = compile_object(&module(), &image, &CodegenOptions::default()).expect("it compiles");
-    link(&[code], &executable, None).expect("it links");
+    provide();
+    link::link(&[code], &executable, None).expect("it links");
     let output = Command::new(&executable)
         .args(["--cycles", "5", "--clock", "virtual", "--print", "MW0,Q4.0,MD4"])
         .output()
@@ -99,6 +106,67 @@ fn an_executable_runs_the_program() {
 #[test]
 fn an_output_that_cannot_be_written_is_an_error() {
     let code = compile_object(&module(), b"", &CodegenOptions::default()).expect("it compiles");
-    let error = link(&[code], Path::new("/no/such/folder/program"), None).expect_err("there is no such folder");
+    provide();
+    let error = link::link(&[code], Path::new("/no/such/folder/program"), None).expect_err("there is no such folder");
     assert!(error.to_string().contains("/no/such/folder/program"), "{error}");
+}
+
+const NO_OBJECTS: [&[u8]; 0] = [];
+
+#[test]
+fn a_missing_linker_is_named() {
+    provide();
+    let error = link::link(&NO_OBJECTS, Path::new("out"), Some("/no/such/linker")).expect_err("there is none");
+    assert!(matches!(error, LinkError::Start { .. }));
+    assert!(error.to_string().contains("`/no/such/linker`"), "{error}");
+}
+
+#[test]
+fn a_failing_linker_is_shown_with_its_command() {
+    provide();
+    let error = link::link(&NO_OBJECTS, Path::new("out"), Some("false")).expect_err("it fails");
+    assert!(matches!(error, LinkError::Failed { .. }));
+    assert!(error.to_string().contains("plcc-runtime.o"), "{error}");
+}
+
+const FORMS: [Form; 5] = [
+    Form::Executable(Runtime::Plain),
+    Form::Executable(Runtime::Services),
+    Form::Static(Runtime::Plain),
+    Form::Static(Runtime::Services),
+    Form::Unit,
+];
+
+fn template(form: Form) -> Template {
+    provide();
+    Template::read(form).expect("plcc was built with it")
+}
+
+#[test]
+fn the_template_has_room_and_all_functions() {
+    for form in FORMS {
+        let template = template(form);
+        assert!(template.program.address < template.code.address);
+        let names: HashSet<&[u8]> = template.functions.iter().map(|(name, _)| *name).collect();
+        let library = linked::LIBRARY_FUNCTIONS.map(|(_, name)| name);
+        for name in RuntimeFn::ALL.iter().map(|function| function.symbol()).chain(library) {
+            assert!(names.contains(name.as_bytes()), "{form:?}: {name}");
+        }
+    }
+}
+
+#[test]
+fn services_are_only_where_they_are_asked_for() {
+    let bytes = |runtime| template(Form::Executable(runtime)).bytes.len();
+    let (plain, services) = (bytes(Runtime::Plain), bytes(Runtime::Services));
+    assert!(plain < 4_000_000 && plain + 200_000 < services, "{plain} {services}");
+}
+
+#[test]
+fn no_segment_is_writable_and_executable() {
+    let segments = FORMS.map(|form| template(form).segments);
+    for segment in segments.iter().flatten() {
+        let flags = segment.p_flags(LittleEndian);
+        assert!(flags & elf::PF_W == 0 || flags & elf::PF_X == 0, "{flags}");
+    }
 }
