@@ -371,7 +371,10 @@ impl<'p, 'o> BlockLowering<'p, 'o> {
         let offset = self.temporaries.next_multiple_of(2);
         self.temporaries = offset + bytes;
         self.frame_bytes = self.frame_bytes.max(self.temporaries);
-        Address::direct(Region::L, offset)
+        let addr = Address::direct(Region::L, offset);
+        // A statement before may have had room for a text there.
+        self.drop_room(addr);
+        addr
     }
 
     /// Extends the local data that belongs to the block for its whole run to `bytes`; before temporaries are used.

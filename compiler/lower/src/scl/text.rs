@@ -109,7 +109,6 @@ impl BlockLowering<'_, '_> {
     pub fn result_room(&mut self, ty: &DataType) -> Address {
         let bytes = result_bytes(ty);
         let addr = self.temporary(bytes);
-        self.drop_room(addr);
         self.b.clear(addr, bytes);
         match Text::of(ty) {
             Some(kind) => self.store_head(addr, kind, result_maximum(ty), 0),
