@@ -218,6 +218,7 @@ impl BlockLowering<'_, '_> {
             let place = plcc_model::Place::Parameter { parameter: index, byte: 0, bit: 0 };
             self.write(&place, layout::width(ty), value);
         }
+        self.cut_text_result();
         self.leave_own_result();
         let flag = self.b.use_var(self.flag());
         self.set(self.regs.br, flag);

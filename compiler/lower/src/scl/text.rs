@@ -173,6 +173,34 @@ impl BlockLowering<'_, '_> {
         self.end_guard(guard);
     }
 
+    /// Drops what the result of this block, a text, has beyond its declared length: where it is written there is room for more.
+    pub fn cut_text_result(&mut self) {
+        let block = self.block;
+        let Some((parameter, formal)) = super::result(block) else { return };
+        let (declared, byte, width) = match formal.ty {
+            DataType::String(declared) => (u32::from(declared), 1, Width::Byte),
+            DataType::WideString(declared) => (u32::from(declared), 2, Width::Word),
+            _ => return,
+        };
+        if declared >= TEXT_MAX {
+            return;
+        }
+        let own = self.formal_texts.get(&parameter).and_then(|formal| formal.own);
+        let place = Place::Parameter { parameter, byte, bit: 0 };
+        let length = match own {
+            Some(own) => self.own_length(own),
+            None => self.read(&place, width),
+        };
+        let most = self.b.i32_const(declared);
+        let is_longer = self.b.icmp(IntCc::Ugt, length, most);
+        let kept = self.b.select(is_longer, most, length);
+        match own {
+            Some(own) => self.set_own_length(own, kept),
+            None => self.write(&place, width, kept),
+        }
+        self.fail_if(is_longer);
+    }
+
     /// The text of an access, which is at `addr`.
     pub fn text_place(&self, access: &Access, addr: Address) -> TextPlace {
         TextPlace { addr, maximum: self.text_limit(access), formal: self.formal_text_of(access) }
