@@ -471,10 +471,7 @@ impl BlockLowering<'_, '_> {
     fn call_block_instance(&mut self, call: &Call, callee: &CodeBlock, function: FuncId, instance: &Instance) {
         let at = self.instance_at(instance);
         let exists = at.checks.iter().all(|check| self.b.constant_bits(check.ok) == Some(1));
-        let given = match exists {
-            true => self.given_to_instance(at.addr, call, callee),
-            false => self.given(call, callee),
-        };
+        let given = self.given_to_instance(exists.then_some(at.addr), call, callee);
         let guard = self.begin_guard(at.checks, Substitute::None);
         for given in &given {
             self.fill(at.addr, callee, given, false);

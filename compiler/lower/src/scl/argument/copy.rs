@@ -14,9 +14,15 @@ use crate::pointer::moved;
 use crate::scl::text::{OWN_MAXIMUM, Text, TextPlace};
 
 impl BlockLowering<'_, '_> {
-    /// Evaluates the arguments of a call of the instance at `base`. A structure at an input before an argument that calls something, which may
-    /// change the structure, is written to the instance in its turn, and is not among the results.
-    pub fn given_to_instance<'m>(&mut self, base: Address, call: &'m Call, callee: &CodeBlock) -> Vec<Given<'m>> {
+    /// Evaluates the arguments of a call of the instance at `base`; `None`: where it is, or whether it exists, is known when the program runs. A
+    /// structure at an input before an argument that calls something, which may change the structure, is copied in its turn: to the instance, and
+    /// then it is not among the results, or to the frame.
+    pub fn given_to_instance<'m>(
+        &mut self,
+        base: Option<Address>,
+        call: &'m Call,
+        callee: &CodeBlock,
+    ) -> Vec<Given<'m>> {
         let last_call = call.arguments.iter().rposition(|argument| calls_something(&argument.actual));
         let mut all = Vec::new();
         for (at, argument) in call.arguments.iter().enumerate() {
@@ -25,13 +31,27 @@ impl BlockLowering<'_, '_> {
             let is_copied = parameter.direction == Direction::Input
                 && matches!(parameter.passing, Passing::Complex { .. })
                 && matches!(given.supply, Supply::Complex(Source::Variable { .. }));
-            if is_copied && last_call.is_some_and(|last| at < last) {
+            if !is_copied || last_call.is_none_or(|last| at >= last) {
+                all.push(given);
+            } else if let Some(base) = base {
                 self.fill(base, callee, &given, false);
             } else {
-                all.push(given);
+                all.push(self.copied_to_frame(parameter, given));
             }
         }
         all
+    }
+
+    /// The value that a structure at an input has now.
+    fn copied_to_frame<'m>(&mut self, parameter: &Parameter, given: Given<'m>) -> Given<'m> {
+        let (Supply::Complex(source), Passing::Complex { bytes }) = (&given.supply, parameter.passing) else {
+            return given;
+        };
+        let copy = self.temporary(bytes);
+        self.b.clear(copy, bytes);
+        self.prepare_text(copy, &parameter.ty);
+        self.copy_source(copy, &parameter.ty, source, bytes);
+        Given { supply: Supply::Complex(Source::Frame(copy)), ..given }
     }
 
     /// Writes the input to the formal's place, relative to `base`. For a system function, all complex values are copies.
