@@ -1,7 +1,7 @@
 //! `plcc convert` as a command: what it is called with, symbols and addresses, reports of migrations, folders.
 //!
 //! - `comments`: comments and regions; `declarations`: start values and instances; `documents`: SIMATIC SD; `xml`: SimaticML; `projects`: PLCopen XML.
-//! - `statements`: STL, SCL as STL, and the S7-200.
+//! - `statements`: STL and SCL; `to_stl`: SCL, networks and charts as STL; `s7200`: the S7-200.
 //!
 //! `convert/` has the programs, and beside them what plcc writes: `plant.absolute`. `UPDATE_EXPECT=1` renews these.
 
@@ -9,7 +9,9 @@ mod comments;
 mod declarations;
 mod documents;
 mod projects;
+mod s7200;
 mod statements;
+mod to_stl;
 mod xml;
 
 use std::fs;
