@@ -1,20 +1,17 @@
 //! Actual parameters: what a call passes, checked against the formal parameter.
 //!
 //! Source: STL reference, passing rules. Addresses fit by their width; symbols must be of the formal's type; constants must be
-//! literals of the formal's type. For POINTER and ANY, the compiler makes a pointer to the named operand.
+//! literals of the formal's type. For POINTER and ANY, the compiler makes a pointer to the named operand (`pointers`).
+
+mod mismatch;
+mod pointers;
 
 use plcc_abi::image::BlockKind;
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{self, Area, BlockPrefix, CellKind, OperandKind, Width};
+use plcc_syntax::ast::{self, BlockPrefix, CellKind, OperandKind, Width};
 use plcc_syntax::literal::Literal;
 
 use crate::bind::declarations::block::CurrentBlock;
-use crate::bind::declarations::path::type_of_width;
-use crate::bind::declarations::pointer::{
-    CODE_BYTE, CODE_DATE_AND_TIME, POINTS_AT_NOTHING, any_bytes, any_number_of_block, any_number_of_cell, code_for,
-    for_formal, known_pointer, local_place, pointed_at, pointed_at_by_literal, pointer_bytes,
-};
-use crate::bind::declarations::typed::is_complex;
 use crate::bind::globals::Globals;
 use crate::bind::globals::names::code_kind;
 use crate::bind::globals::sources::portal_cpu;
@@ -25,7 +22,7 @@ use plcc_binding::rewrite;
 use plcc_binding::value::{self, Mismatch};
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
-use plcc_model::{Actual, BlockKey, Direction, Number, Parameter, Place, Pointed};
+use plcc_model::{Actual, BlockKey, Direction, Number, Parameter, Place};
 
 impl StlBinder<'_, '_> {
     /// Binds the actual of parameter `formal` of block `callee`; `None` after a message or if it cannot be determined.
@@ -107,78 +104,6 @@ impl StlBinder<'_, '_> {
             }
             DataType::Void => None,
         }
-    }
-
-    /// Reports an actual whose type is not that of the formal.
-    fn mismatch(&mut self, callee: BlockKey, formal: &Parameter, settled: &Settled, span: Span) -> Option<Actual> {
-        let text = self.program.globals.text(span);
-        let is = match settled {
-            Settled::Memory { ty: Some(ty), .. } => ty.name().to_string(),
-            Settled::Memory { width, .. } => match width {
-                Width::Bit => "a bit",
-                Width::Byte => "a byte",
-                Width::Word => "a word",
-                Width::Dword => "a double word",
-                Width::Lword => "a long word",
-            }
-            .to_string(),
-            Settled::Complex { ty, .. } => layout::type_name(ty),
-            Settled::Cell { kind: CellKind::Timer, .. } => "a timer".to_string(),
-            Settled::Cell { kind: CellKind::Counter, .. } => "a counter".to_string(),
-            Settled::Block { .. } => "a block".to_string(),
-            Settled::Literal(literal) => value::literal_kind(literal).to_string(),
-            Settled::Pointer(_) | Settled::ParameterPointer(_) => "a pointer".to_string(),
-            Settled::Status(_) => "a status bit".to_string(),
-            Settled::Special(_) | Settled::Register(_) => "a register of the CPU".to_string(),
-            Settled::Label => "a name without a meaning here".to_string(),
-        };
-        let wanted = layout::type_name(&formal.ty);
-        let is = match &formal.ty {
-            DataType::Struct(structure) if structure.name.is_empty() && is == wanted => format!("another {wanted}"),
-            _ => is,
-        };
-        let message = Diagnostic::new(
-            Code::TypeMismatch,
-            span,
-            format!(
-                "`{}` of {} is of type {wanted}, but `{text}` is {is}",
-                formal.name,
-                self.program.globals.shown(callee)
-            ),
-        )
-        .label(is);
-        self.program.report(match (&formal.ty, settled) {
-            (DataType::Elementary(ty), Settled::Literal(_)) => {
-                message.help(rewrite::help(*ty, &text, rewrite::Form::Stl))
-            }
-            (DataType::Elementary(ty), _) => {
-                message.help(format!("name {} or a variable of type {wanted}", address_of_type(*ty, &text)))
-            }
-            (DataType::Parameter(ParameterType::Any | ParameterType::Variant), _) => {
-                let is_pointer = text.get(..2).is_some_and(|sign| sign.eq_ignore_ascii_case("P#"));
-                message.help(match rewrite::any_pointer(&text) {
-                    Some(pointer) => format!("write `{pointer}`, or name a variable"),
-                    None if is_pointer => format!("write the type and the number after it, as in `{text} BYTE 1`"),
-                    None => "name a variable, or write a pointer to an area: `P#`, its first bit, a type and a number"
-                        .to_string(),
-                })
-            }
-            (DataType::Parameter(ParameterType::Pointer), _) => {
-                message.help("write for example `P#M 50.0`, or name a variable")
-            }
-            (
-                DataType::DateAndTime | DataType::String(_) | DataType::Array(_) | DataType::Struct(_),
-                Settled::Literal(_),
-            ) => message.help(format!("store the value in a variable of type {wanted} and pass that variable")),
-            (DataType::Parameter(ParameterType::Timer), _) => {
-                message.help("name a timer such as `T 5`, or a parameter of type TIMER")
-            }
-            (DataType::Parameter(ParameterType::Counter), _) => {
-                message.help("name a counter by its number, or a parameter of type COUNTER")
-            }
-            (ty, _) => message.help(format!("name a variable of type {}", layout::declared_type(ty))),
-        });
-        None
     }
 
     fn elementary_actual(
@@ -281,82 +206,6 @@ impl StlBinder<'_, '_> {
             true => self.elementary_actual(callee, formal, *ty, settled, actual.span),
             false => self.mismatch(callee, formal, &settled, actual.span),
         }
-    }
-
-    /// The memory of `bytes` bytes at a pointer constant, checked against its area; `None` after a message.
-    fn pointed_place(
-        &mut self,
-        ctx: &mut CurrentBlock,
-        db: u16,
-        pointer: u32,
-        formal: &Parameter,
-        bytes: u32,
-        span: Span,
-    ) -> Option<Place> {
-        use plcc_abi::layout::area;
-        let (byte, bit) = ((pointer & 0x00FF_FFFF) >> 3, (pointer & 7) as u8);
-        let (found, place) = match (pointer >> 24) as u8 {
-            area::I => (Area::I, Place::I { byte, bit }),
-            area::Q => (Area::Q, Place::Q { byte, bit }),
-            area::M => (Area::M, Place::M { byte, bit }),
-            area::L => (Area::L, Place::L { byte, bit }),
-            area::DB if db == 0 => (Area::Db, Place::OpenDb { byte, bit }),
-            area::DB => (Area::Db, Place::Db { number: db, byte, bit }),
-            area::DI if db == 0 => (Area::Di, Place::OpenDi { byte, bit }),
-            area::P if formal.direction == Direction::Output => (Area::Pq, Place::Pq { byte, bit }),
-            area::P => (Area::Pi, Place::Pi { byte, bit }),
-            _ => {
-                let text = self.program.globals.text(span);
-                self.program.report(
-                    Diagnostic::new(Code::OperandKind, span, format!("`{text}` cannot be an actual parameter"))
-                        .label("not an address of this block")
-                        .help("name an address of I, Q, M, L or a data block"),
-                );
-                return None;
-            }
-        };
-        self.program.check_address(ctx, found, Width::Byte, byte, span)?;
-        self.program.check_address(ctx, found, Width::Byte, byte.saturating_add(bytes.saturating_sub(1)), span)?;
-        if let Place::Db { number, .. } = place {
-            self.program.use_db(number, span);
-            self.program.check_db_end(number, byte + bytes, span);
-        }
-        Some(place)
-    }
-
-    /// `P#DB5.DBX 20.0` for a parameter of type DATE_AND_TIME, STRING, STRUCT or ARRAY: the address of the actual. `None`: it does not
-    /// fit; the outer one after a message.
-    fn complex_at_pointer(
-        &mut self,
-        ctx: &mut CurrentBlock,
-        formal: &Parameter,
-        literal: &Literal,
-        span: Span,
-    ) -> Option<Option<Actual>> {
-        let bytes = layout::bytes(&formal.ty);
-        let (db, pointer) = match literal {
-            Literal::AreaPointer { db, pointer } => (*db, *pointer),
-            Literal::Any([_, code, high, low, db_high, db_low, pointer @ ..]) => {
-                let count = u32::from(u16::from_be_bytes([*high, *low]));
-                let fits = match (*code, &formal.ty) {
-                    (CODE_DATE_AND_TIME, DataType::DateAndTime) => count == 1,
-                    (CODE_BYTE, DataType::String(_)) => true,
-                    (CODE_BYTE, _) => count == bytes,
-                    _ => false,
-                };
-                if !fits {
-                    return Some(None);
-                }
-                (u16::from_be_bytes([*db_high, *db_low]), u32::from_be_bytes(*pointer))
-            }
-            _ => return Some(None),
-        };
-        let peripheral = (pointer >> 24) as u8 == plcc_abi::layout::area::P;
-        if pointer & 7 != 0 || peripheral {
-            return Some(None);
-        }
-        let place = self.pointed_place(ctx, db, pointer, formal, bytes, span)?;
-        Some(Some(Actual::Place(place)))
     }
 
     fn complex_actual(
@@ -465,98 +314,5 @@ impl StlBinder<'_, '_> {
             }
             number => Some(Actual::Number(number.clone())),
         }
-    }
-
-    fn pointer_actual(&mut self, callee: BlockKey, formal: &Parameter, settled: Settled, span: Span) -> Option<Actual> {
-        let to = |place: Place| match known_pointer(&place) {
-            Some((db, pointer)) => Actual::PointerBytes(pointer_bytes(db, pointer)),
-            None => Actual::PointerTo { place, type_code: 0, count: 0 },
-        };
-        match &settled {
-            Settled::Literal(Literal::AreaPointer { db, pointer }) => {
-                self.program.use_db(*db, span);
-                Some(match local_place(*pointer) {
-                    Some(place) => to(place),
-                    None => Actual::PointerBytes(pointer_bytes(*db, *pointer)),
-                })
-            }
-            Settled::Literal(Literal::Pointer(pointer)) => Some(Actual::PointerBytes(pointer_bytes(0, *pointer))),
-            Settled::Memory { place, .. } => Some(to(place.clone())),
-            Settled::Complex { place, ty } => match ty {
-                DataType::Parameter(ParameterType::Pointer) => Some(Actual::PointerCopy(place.clone())),
-                ty if is_complex(ty) => Some(to(place.clone())),
-                _ => self.mismatch(callee, formal, &settled, span),
-            },
-            _ => self.mismatch(callee, formal, &settled, span),
-        }
-    }
-
-    fn any_actual(&mut self, callee: BlockKey, formal: &Parameter, settled: Settled, span: Span) -> Option<Actual> {
-        let to = |place: Place, ty: &DataType, code_of: &DataType| {
-            let (type_code, count) = code_for(formal, code_of);
-            let count = count.min(0xFFFF) as u16;
-            let any = match known_pointer(&place) {
-                Some((db, pointer)) => Actual::PointerBytes(any_bytes(type_code, count, db, pointer)),
-                None => Actual::PointerTo { place, type_code, count },
-            };
-            for_formal(formal, any, pointed_at(ty))
-        };
-        match &settled {
-            Settled::Literal(Literal::Any(bytes)) => {
-                let [_, type_code, high, low, _, _, pointer @ ..] = *bytes;
-                self.program.use_pointed_db(callee, &formal.name, *bytes, span);
-                let count = u16::from_be_bytes([high, low]);
-                let any = match local_place(u32::from_be_bytes(pointer)) {
-                    Some(place) => Actual::PointerTo { place, type_code, count },
-                    None => Actual::PointerBytes(bytes.to_vec()),
-                };
-                Some(for_formal(formal, any, pointed_at_by_literal(type_code, count)))
-            }
-            Settled::Memory { place, width, ty } => {
-                let ty = DataType::Elementary(ty.unwrap_or(type_of_width(*width)));
-                Some(to(place.clone(), &ty, &ty))
-            }
-            Settled::Cell { kind, number: Number::Known(number) } => {
-                Some(for_formal(formal, Actual::PointerBytes(any_number_of_cell(*kind, *number)), POINTS_AT_NOTHING))
-            }
-            Settled::Block { prefix, number: Number::Known(number) } => match any_number_of_block(*prefix, *number) {
-                Some(bytes) => Some(for_formal(formal, Actual::PointerBytes(bytes), POINTS_AT_NOTHING)),
-                None => self.mismatch(callee, formal, &settled, span),
-            },
-            Settled::Complex { place, ty } => match ty {
-                DataType::Parameter(ParameterType::Any) => {
-                    Some(for_formal(formal, Actual::PointerCopy(place.clone()), POINTS_AT_NOTHING))
-                }
-                DataType::Parameter(ParameterType::Variant) => {
-                    Some(for_formal(formal, Actual::PointerCopy(place.clone()), Pointed::Copied))
-                }
-                DataType::Parameter(ParameterType::Pointer) => self.mismatch(callee, formal, &settled, span),
-                ty => {
-                    let longest = DataType::String(254);
-                    // A STRING parameter of an FC has the length of the actual; the pointer covers the longest.
-                    let code_of = match place {
-                        Place::Parameter { .. } if matches!(ty, DataType::String(_)) => &longest,
-                        _ => ty,
-                    };
-                    Some(to(place.clone(), ty, code_of))
-                }
-            },
-            _ => self.mismatch(callee, formal, &settled, span),
-        }
-    }
-}
-
-/// An address of the width of the type, at the byte of the address that stands there.
-fn address_of_type(ty: Elementary, text: &str) -> String {
-    let (what, letter) = match layout::width(ty) {
-        Width::Bit => ("a bit", 'X'),
-        Width::Byte => ("a byte", 'B'),
-        Width::Word => ("a word", 'W'),
-        Width::Dword => ("a double word", 'D'),
-        Width::Lword => return "a variable of 64 bits".to_string(),
-    };
-    match rewrite::address_of_width(text, letter) {
-        Some(address) => format!("{what} such as `{address}`"),
-        None => what.to_string(),
     }
 }
