@@ -10,8 +10,8 @@ use plcc_abi::layout;
 use plcc_ir::{Address, Function, Inst, InstData, Region};
 
 use super::analysis::Ranges;
+use super::change::{Change, sum_with_constant};
 use super::interval::Interval;
-use super::{Change, sum_with_constant};
 use crate::surroundings::Surroundings;
 
 /// The simpler addresses of an instruction.
