@@ -3,10 +3,11 @@
 use std::fs;
 use std::io::Write;
 use std::net::IpAddr;
+use std::ops::RangeInclusive;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::str::FromStr;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use rsa::pkcs1v15::{Signature, SigningKey};
 use rsa::pkcs8::{EncodePrivateKey, LineEnding};
@@ -32,7 +33,7 @@ use crate::opcua::crypto::random;
 /// Of a key that is made here.
 pub const KEY_BITS: usize = 2048;
 /// Bytes of the keys of clients. Source: OPC 10000-7, key lengths of the policies.
-const CLIENT_KEY_BYTES: std::ops::RangeInclusive<usize> = 256..=512;
+const CLIENT_KEY_BYTES: RangeInclusive<usize> = 256..=512;
 /// Twenty years.
 const VALID: Duration = Duration::from_secs(20 * 365 * 24 * 3600);
 
@@ -102,6 +103,8 @@ fn self_signed(key: &RsaPrivateKey, subject: &Subject) -> Option<Vec<u8>> {
 pub struct Client {
     pub der: Vec<u8>,
     pub key: RsaPublicKey,
+    /// From when to when, since 1970.
+    pub valid: RangeInclusive<Duration>,
 }
 
 impl Client {
@@ -111,8 +114,15 @@ impl Client {
         let certificate = Certificate::decode(&mut reader).ok()?;
         let length = usize::try_from(certificate.encoded_len().ok()?).ok()?;
         let der = chain.get(..length)?.to_vec();
-        let info = certificate.tbs_certificate.subject_public_key_info;
-        let key = RsaPublicKey::try_from(info.owned_to_ref()).ok()?;
-        CLIENT_KEY_BYTES.contains(&key.size()).then_some(Client { der, key })
+        let content = certificate.tbs_certificate;
+        let key = RsaPublicKey::try_from(content.subject_public_key_info.owned_to_ref()).ok()?;
+        let Validity { not_before, not_after } = content.validity;
+        let valid = not_before.to_unix_duration()..=not_after.to_unix_duration();
+        CLIENT_KEY_BYTES.contains(&key.size()).then_some(Client { der, key, valid })
+    }
+
+    /// Whether it has begun to be valid, and has not expired.
+    pub fn is_valid_at(&self, moment: SystemTime) -> bool {
+        moment.duration_since(UNIX_EPOCH).is_ok_and(|since| self.valid.contains(&since))
     }
 }

@@ -9,12 +9,14 @@
 use std::fs;
 use std::net::IpAddr;
 use std::path::Path;
+use std::time::SystemTime;
 
 use rsa::RsaPrivateKey;
 use rsa::pkcs8::DecodePrivateKey;
 use rsa::traits::PublicKeyParts;
 
 use super::crypto::thumbprint;
+use super::status::{self, Status};
 pub use crate::certificate::Client;
 use crate::certificate::{KEY_BITS, Subject, make, write_key};
 
@@ -75,7 +77,11 @@ impl Trusted {
         Ok(Some(Trusted(list)))
     }
 
-    pub fn contains(&self, client: &Client) -> bool {
-        self.0.contains(&client.der)
+    /// Whether a client may come in at this moment. `Err`: why not.
+    pub fn check(&self, client: &Client, moment: SystemTime) -> Result<(), Status> {
+        if !self.0.contains(&client.der) {
+            return Err(status::CERTIFICATE_UNTRUSTED);
+        }
+        if client.is_valid_at(moment) { Ok(()) } else { Err(status::CERTIFICATE_TIME_INVALID) }
     }
 }

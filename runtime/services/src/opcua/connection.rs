@@ -1,7 +1,7 @@
 //! A connection: frames in, responses out. Source: OPC 10000-6, section 7.1.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 use plcc_abi::services::Right;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -275,10 +275,8 @@ impl Connection {
 /// Reads a message that opens a channel, and answers it.
 fn open(server: &Server, before: Option<Channel>, frame: &[u8]) -> Result<(Channel, Vec<u8>), Status> {
     let opening = Opening::read(frame, &server.own)?;
-    if let (Some(trusted), Some(client)) = (&server.trusted, opening.client())
-        && !trusted.contains(client)
-    {
-        return Err(status::CERTIFICATE_UNTRUSTED);
+    if let (Some(trusted), Some(client)) = (&server.trusted, opening.client()) {
+        trusted.check(client, SystemTime::now())?;
     }
     let (service, handle, mut reader) = opening_head(&opening.body).ok_or(status::DECODING)?;
     let mut read = || Some((reader.u32()?, reader.u32()?, reader.u32()?, reader.bytes()?.to_vec(), reader.u32()?));

@@ -15,6 +15,7 @@ pub const NOTHING_TO_DO: Status = 0x800F_0000;
 pub const TOO_MANY_OPERATIONS: Status = 0x8010_0000;
 pub const CERTIFICATE_INVALID: Status = 0x8012_0000;
 pub const SECURITY_CHECKS: Status = 0x8013_0000;
+pub const CERTIFICATE_TIME_INVALID: Status = 0x8014_0000;
 pub const CERTIFICATE_UNTRUSTED: Status = 0x801A_0000;
 pub const USER_ACCESS_DENIED: Status = 0x801F_0000;
 pub const IDENTITY_INVALID: Status = 0x8020_0000;

@@ -1,5 +1,8 @@
 //! What needs neither a network nor a CPU: encodings, keys, certificates, names.
 
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
 use plcc_abi::image::AssertType;
 use plcc_abi::names::Dimension;
 use plcc_runtime::address::Place;
@@ -8,7 +11,7 @@ use proptest::prelude::*;
 use rsa::RsaPrivateKey;
 use rsa::rand_core::OsRng;
 
-use super::certificate::{Client, Own};
+use super::certificate::{Client, Own, Trusted};
 use super::channel::{Channel, Opening};
 use super::code::{NodeId, Reader, Scalar, Variant, Writer, moment_of, time_of};
 use super::crypto::{NONCE_BYTES, Policy};
@@ -144,11 +147,30 @@ fn a_certificate_is_made_once() {
     // A chain begins with it.
     let chain = [&first.certificate[..], &[1, 2, 3]].concat();
     assert_eq!(Client::parse(&chain).map(|client| client.der), Some(first.certificate.clone()));
+    only_trusted_clients_come_in(&folder, &first);
     // A key of somebody else.
     std::fs::write(folder.join("own.pem"), "nothing").expect("a file of this test");
     assert!(load().is_err_and(|error| error.contains("own.pem") && !error.contains("nothing")));
     std::fs::remove_dir_all(&folder).expect("a folder of this test");
     channels_open(&first);
+}
+
+/// The folder has a certificate for twenty years.
+fn only_trusted_clients_come_in(folder: &Path, own: &Own) {
+    assert!(Trusted::load(folder).expect("a folder of this test").is_none());
+    std::fs::create_dir(folder.join("trusted")).expect("a folder of this test");
+    let load = || Trusted::load(folder).expect("a folder of this test").expect("it is there");
+    let client = Client::parse(&own.certificate).expect("a certificate");
+    let (now, year) = (SystemTime::now(), Duration::from_secs(365 * 24 * 3600));
+    assert_eq!(load().check(&client, now), Err(status::CERTIFICATE_UNTRUSTED));
+    std::fs::write(folder.join("trusted/client.der"), &own.certificate).expect("a file of this test");
+    let trusted = load();
+    for moment in [now, now + 19 * year] {
+        assert_eq!(trusted.check(&client, moment), Ok(()));
+    }
+    for moment in [now - year, now + 21 * year, SystemTime::UNIX_EPOCH - year] {
+        assert_eq!(trusted.check(&client, moment), Err(status::CERTIFICATE_TIME_INVALID));
+    }
 }
 
 /// What a client does to open a channel, and what this server answers. Only bits of it may be wrong.
@@ -180,7 +202,7 @@ fn channel(policy: Policy, client: &Client) -> Channel {
 #[test]
 fn a_channel_reads_what_was_not_changed_and_in_order() {
     let key = RsaPrivateKey::new(&mut OsRng, 2048).expect("a key");
-    let client = Client { der: vec![1], key: key.to_public_key() };
+    let client = Client { der: vec![1], key: key.to_public_key(), valid: Duration::ZERO..=Duration::MAX };
     for policy in [Policy::Basic256Sha256, Policy::Aes128Sha256RsaOaep] {
         let mut writer = channel(policy, &client);
         let mut reader = channel(policy, &client);
