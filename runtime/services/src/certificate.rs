@@ -61,6 +61,23 @@ pub fn make(subject: &Subject) -> Result<(RsaPrivateKey, Vec<u8>), String> {
     Ok((key, certificate))
 }
 
+/// The folder for a new key and its certificate, which is made if it is not there. Other processes that hold it wait until the result is
+/// dropped: programs that start at once in one folder make one certificate.
+pub fn hold(folder: &Path) -> std::io::Result<fs::File> {
+    fs::create_dir_all(folder)?;
+    let held = fs::File::open(folder)?;
+    // Without it only programs that start at once could disturb each other: a file system may have no locks.
+    let _ = held.lock();
+    Ok(held)
+}
+
+/// Writes a file that is there as a whole or not at all.
+pub fn write_whole(path: &Path, content: &[u8]) -> std::io::Result<()> {
+    let new = path.with_extension("new");
+    fs::write(&new, content)?;
+    fs::rename(new, path)
+}
+
 /// Writes a private key to a new file, which only its owner may read.
 pub fn write_key(path: &Path, key: &RsaPrivateKey) -> std::io::Result<()> {
     let pem = key.to_pkcs8_pem(LineEnding::LF).map_err(|error| std::io::Error::other(error.to_string()))?;

@@ -24,7 +24,7 @@ use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName,
 use tokio_rustls::rustls::{self, ClientConfig, DigitallySignedStruct, RootCertStore, ServerConfig, SignatureScheme};
 use x509_cert::der::pem::{LineEnding, encode_string};
 
-use crate::certificate::{Subject, make, plain_name, write_key};
+use crate::certificate::{Subject, hold, make, plain_name, write_key, write_whole};
 use crate::limits::FRAME_TIME;
 
 /// A connection of a client, with TLS or without.
@@ -112,7 +112,7 @@ fn private_key(flag: &str, path: &Path) -> Result<PrivateKeyDer<'static>, String
 /// The server with the certificate and the key in a folder; makes them if there are none. `name`: of the program. `Err`: why there is none.
 pub fn server(folder: &Path, name: &str, ip: IpAddr) -> Result<TlsAcceptor, String> {
     let (certificate, key) = (folder.join("certificate.pem"), folder.join("key.pem"));
-    if !certificate.exists() && !key.exists() {
+    if !certificate.exists() || !key.exists() {
         create(folder, &certificate, &key, name, ip)?;
     }
     let chain = certificates("--tls", &certificate)?;
@@ -124,9 +124,13 @@ pub fn server(folder: &Path, name: &str, ip: IpAddr) -> Result<TlsAcceptor, Stri
     Ok(TlsAcceptor::from(Arc::new(config)))
 }
 
+/// Makes both files, unless one of them is there.
 fn create(folder: &Path, certificate: &Path, key_file: &Path, name: &str, ip: IpAddr) -> Result<(), String> {
     let failed = |error: &dyn std::fmt::Display| wrong("--tls", folder, error);
-    fs::create_dir_all(folder).map_err(|error| failed(&error))?;
+    let _held = hold(folder).map_err(|error| failed(&error))?;
+    if certificate.exists() || key_file.exists() {
+        return Ok(());
+    }
     let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let is_name = |host: &&str| {
         !host.is_empty() && host.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'.')
@@ -136,7 +140,7 @@ fn create(folder: &Path, certificate: &Path, key_file: &Path, name: &str, ip: Ip
         make(&Subject { name: &plain_name(name), uri: None, hosts: &hosts, ip }).map_err(|error| failed(&error))?;
     let pem = encode_string("CERTIFICATE", LineEnding::LF, &der).map_err(|error| failed(&error))?;
     write_key(key_file, &key).map_err(|error| failed(&error))?;
-    fs::write(certificate, pem).map_err(|error| failed(&error))
+    write_whole(certificate, pem.as_bytes()).map_err(|error| failed(&error))
 }
 
 /// What the page of another process must show: the certificate in a file, or one that it has signed. `path` may be a folder with
@@ -232,7 +236,12 @@ mod tests {
         let _ = fs::remove_dir_all(&folder);
         let start = || server(&folder, "plant 1, Süd", IpAddr::V4(Ipv4Addr::LOCALHOST)).map(|_| ());
         let read = |name: &str| fs::read(folder.join(name)).unwrap();
-        start().unwrap();
+        // Programs that start at once have the same one.
+        std::thread::scope(|scope| {
+            for started in [scope.spawn(start), scope.spawn(start)] {
+                started.join().unwrap().unwrap();
+            }
+        });
         let (certificate, key) = (read("certificate.pem"), read("key.pem"));
         start().unwrap();
         assert_eq!((read("certificate.pem"), read("key.pem")), (certificate, key));

@@ -18,7 +18,7 @@ use rsa::traits::PublicKeyParts;
 use super::crypto::thumbprint;
 use super::status::{self, Status};
 pub use crate::certificate::Client;
-use crate::certificate::{KEY_BITS, Subject, make, write_key};
+use crate::certificate::{KEY_BITS, Subject, hold, make, write_key, write_whole};
 
 /// Certificate and key of this server.
 pub struct Own {
@@ -31,8 +31,8 @@ impl Own {
     /// Reads them from the folder, or makes them. `Err`: why it cannot.
     pub fn load(folder: &Path, uri: &str, name: &str, ip: IpAddr) -> Result<Own, String> {
         let (key_file, file) = (folder.join("own.pem"), folder.join("own.der"));
-        if !key_file.exists() && !file.exists() {
-            made(folder, uri, name, ip)?;
+        if !key_file.exists() || !file.exists() {
+            make_both(folder, uri, name, ip)?;
         }
         let failed = |path: &Path, error: &dyn std::fmt::Display| format!("--opcua: {}: {error}", path.display());
         let text = fs::read_to_string(&key_file).map_err(|error| failed(&key_file, &error))?;
@@ -47,13 +47,18 @@ impl Own {
     }
 }
 
-fn made(folder: &Path, uri: &str, name: &str, ip: IpAddr) -> Result<(), String> {
+/// Makes key and certificate, unless one of them is there.
+fn make_both(folder: &Path, uri: &str, name: &str, ip: IpAddr) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("--opcua: {}: {error}", folder.display());
-    fs::create_dir_all(folder).map_err(failed)?;
+    let _held = hold(folder).map_err(failed)?;
+    let (key_file, file) = (folder.join("own.pem"), folder.join("own.der"));
+    if key_file.exists() || file.exists() {
+        return Ok(());
+    }
     let (key, certificate) =
         make(&Subject { name, uri: Some(uri), hosts: &[], ip }).map_err(|error| format!("--opcua: {error}"))?;
-    write_key(&folder.join("own.pem"), &key).map_err(failed)?;
-    fs::write(folder.join("own.der"), certificate).map_err(failed)
+    write_key(&key_file, &key).map_err(failed)?;
+    write_whole(&file, &certificate).map_err(failed)
 }
 
 /// The clients that may come in.
