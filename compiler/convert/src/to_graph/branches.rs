@@ -1,8 +1,8 @@
 //! Bits of local data with which STEP 7 writes branches: `= L 20.0; A L 20.0; …; A L 20.0; …`. In pictures they are lines.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use plcc_syntax::ast::{self, Area, Operand, OperandKind, StatementKind, Width};
+use plcc_syntax::ast::{self, Area, Operand, OperandKind, Statement, StatementKind, Width};
 use plcc_syntax::stl::StlInsn;
 
 use super::drawing::{Reason, Signal};
@@ -34,16 +34,53 @@ impl Branches {
     }
 }
 
-/// Whether a network writes such a bit.
-pub fn are_in(network: &ast::Network) -> bool {
-    network.statements.iter().any(|statement| match &statement.kind {
-        StatementKind::Instruction { insn: StlInsn::Assign, operand: Some(operand), .. } => bit(operand).is_some(),
+/// For each network of a block, whether such bits are lines of its picture: it writes one, and no other network reads what it writes.
+pub fn are_lines(networks: &[ast::Network]) -> Vec<bool> {
+    let read: Vec<HashSet<(u32, u8)>> = networks.iter().map(read_before_written).collect();
+    let mut readers: HashMap<(u32, u8), usize> = HashMap::new();
+    for place in read.iter().flatten() {
+        *readers.entry(*place).or_default() += 1;
+    }
+    let of_others = |place: &(u32, u8), own: &HashSet<(u32, u8)>| {
+        readers.get(place).is_some_and(|count| *count > usize::from(own.contains(place)))
+    };
+    let is_line = |(network, own): (&ast::Network, &HashSet<(u32, u8)>)| {
+        let mut places = network.statements.iter().filter_map(written).peekable();
+        places.peek().is_some() && places.all(|place| !of_others(&place, own))
+    };
+    networks.iter().zip(&read).map(is_line).collect()
+}
+
+/// The bits of local data that a network reads and does not write before.
+fn read_before_written(network: &ast::Network) -> HashSet<(u32, u8)> {
+    let (mut read, mut is_written) = (HashSet::new(), HashSet::new());
+    for statement in &network.statements {
+        if let Some(place) = written(statement) {
+            is_written.insert(place);
+            continue;
+        }
+        let operands: Vec<&Operand> = match &statement.kind {
+            StatementKind::Instruction { operand, .. } => operand.iter().collect(),
+            StatementKind::Call(call) => {
+                call.parameters.iter().filter_map(|parameter| parameter.actual.as_ref()).collect()
+            }
+            StatementKind::Empty | StatementKind::Pragma(_) | StatementKind::Error => Vec::new(),
+        };
+        read.extend(operands.into_iter().flat_map(bits).filter(|place| !is_written.contains(place)));
+    }
+    read
+}
+
+/// The bit that a statement `= L 20.0` writes.
+fn written(statement: &Statement) -> Option<(u32, u8)> {
+    match &statement.kind {
+        StatementKind::Instruction { insn: StlInsn::Assign, operand: Some(operand), .. } => bit(operand),
         StatementKind::Instruction { .. }
         | StatementKind::Call(_)
         | StatementKind::Empty
         | StatementKind::Pragma(_)
-        | StatementKind::Error => false,
-    })
+        | StatementKind::Error => None,
+    }
 }
 
 impl Reader<'_> {
@@ -85,5 +122,17 @@ fn bit(operand: &Operand) -> Option<(u32, u8)> {
     match operand.kind {
         OperandKind::Absolute { area: Area::L, width: Width::Bit, byte, bit } => Some((byte, bit)),
         _ => None,
+    }
+}
+
+/// All bits of an operand in the local data.
+fn bits(operand: &Operand) -> Vec<(u32, u8)> {
+    match operand.kind {
+        OperandKind::Absolute { area: Area::L, width: Width::Bit, byte, bit } => vec![(byte, bit)],
+        OperandKind::Absolute { area: Area::L, width, byte, .. } => {
+            let bytes = byte..byte.saturating_add(width.bytes());
+            bytes.flat_map(|byte| (0..8).map(move |bit| (byte, bit))).collect()
+        }
+        _ => Vec::new(),
     }
 }

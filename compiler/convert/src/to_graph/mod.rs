@@ -116,25 +116,34 @@ pub fn other_comments(unit: &SourceUnit, source: &str, comments: Vec<Comment>) -
     comments.into_iter().zip(is_other).filter_map(|(comment, is_other)| is_other.then_some(comment)).collect()
 }
 
-/// The networks of a block of STL for pictures, as LAD; or the reason for each one that cannot be drawn. Types that are not known do not matter.
-pub fn pictures(block: &CodeBlock, types: &Types) -> Vec<Result<Network, Diagnostic>> {
+/// A network of STL for a picture.
+pub struct Picture {
+    /// As LAD; or the reason why it cannot be drawn.
+    pub network: Result<Network, Diagnostic>,
+    /// Bits of local data are lines. Else they are coils and contacts, as where another network reads them.
+    pub branches: bool,
+}
+
+/// The networks of a block of STL for pictures. Types that are not known do not matter.
+pub fn pictures(block: &CodeBlock, types: &Types) -> Vec<Picture> {
     let ast::Code::Stl(networks) = &block.code else { return Vec::new() };
     let jumps = statements::jumps(networks);
     let mut pictures = Vec::with_capacity(networks.len());
-    for network in networks {
+    for (network, branches) in networks.iter().zip(branches::are_lines(networks)) {
         let span = start(network, block);
         let draw = |branches: bool| {
             let purpose = Purpose::Picture { branches };
             statements::graph(network, (block, &jumps), types, Language::Lad, (span, purpose))
         };
-        let drawn = match branches::are_in(network) {
+        let drawn = match branches {
             true => draw(true).or_else(|_| draw(false)),
             false => draw(false),
         };
-        pictures.push(match drawn {
+        let network = match drawn {
             Ok(drawn) => Ok(made(network, Language::Lad, drawn.labels, drawn.graph, span)),
             Err(mut messages) => Err(messages.remove(0)),
-        });
+        };
+        pictures.push(Picture { network, branches });
     }
     pictures
 }

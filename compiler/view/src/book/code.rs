@@ -71,7 +71,7 @@ impl Maker<'_> {
                 let pictures = to_graph::pictures(block, self.types);
                 let networks = networks.iter().zip(pictures).enumerate();
                 page.sections =
-                    networks.map(|(at, (network, picture))| self.stl(at + 1, network, picture.ok(), scope)).collect();
+                    networks.map(|(at, (network, picture))| self.stl(at + 1, network, picture, scope)).collect();
             }
             Code::Scl(body) => {
                 page.language = "SCL";

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use plcc_convert::to_graph::Picture;
 use plcc_diag::Span;
 use plcc_model::Direction;
 use plcc_syntax::ast;
@@ -16,19 +17,19 @@ use crate::{ladder, listing, sheet};
 
 impl Maker<'_> {
     /// `picture`: the network as LAD, with boxes of several statements.
-    pub(super) fn stl(&self, number: usize, network: &ast::Network, picture: Option<Network>, scope: Scope) -> Section {
+    pub(super) fn stl(&self, number: usize, network: &ast::Network, picture: Picture, scope: Scope) -> Section {
         let label = |operand: &ast::Operand| self.names.label(&self.words(operand.span), scope);
         let is_output = |block: &str, formal: &str| match self.names.block_of_instance(block, scope) {
             Some(of) => self.is_output(&of, formal),
             None => self.is_output(block, formal),
         };
-        let rungs = sheet::stl::sheet(&network.statements, &label, &is_output).map(|mut rungs| {
+        let rungs = sheet::stl::sheet(&network.statements, &label, &is_output, picture.branches).map(|mut rungs| {
             rungs.name_instances(self.names, scope);
             rungs.complete_calls(self.names);
             rungs
         });
-        let drawn = match picture {
-            Some(picture) => {
+        let drawn = match picture.network {
+            Ok(picture) => {
                 let is_better = rungs.is_err() || sheet::network::has_cells(&picture);
                 let has_bits = rungs.as_ref().is_ok_and(sheet::stl::has_local_bits);
                 match is_better || has_bits {
@@ -40,7 +41,7 @@ impl Maker<'_> {
                     false => rungs,
                 }
             }
-            None => rungs,
+            Err(_) => rungs,
         };
         // A network that is shown as text has its labels before their statements.
         let label = network.statements.first().and_then(|first| first.label.as_ref()).filter(|_| drawn.is_ok());

@@ -44,17 +44,14 @@ struct Kept {
     begun: usize,
 }
 
-/// The rungs of a network. `label` finds an operand. `Err`: why it cannot be drawn.
+/// The rungs of a network. `label` finds an operand. `branches`: local bits may be lines of branches. `Err`: why it cannot be drawn.
 pub fn sheet(
     statements: &[Statement],
     label: &dyn Fn(&Operand) -> Label,
     is_output: &dyn Fn(&str, &str) -> bool,
+    branches: bool,
 ) -> Result<Sheet, String> {
-    let keeps = statements.iter().any(|statement| match &statement.kind {
-        StatementKind::Instruction { insn: StlInsn::Assign, operand: Some(operand), .. } => is_branch(&label(operand)),
-        _ => false,
-    });
-    let branched = if keeps { rungs(statements, label, is_output, true) } else { Err(String::new()) };
+    let branched = if branches { rungs(statements, label, is_output, true) } else { Err(String::new()) };
     branched.or_else(|_| rungs(statements, label, is_output, false))
 }
 

@@ -134,6 +134,31 @@ fn a_local_bit_of_a_branch_is_a_line() {
     }
 }
 
+/// As lines, branches would not show where the contact in the other network gets its value.
+#[test]
+fn a_local_bit_that_another_network_reads_is_a_coil() {
+    let branch = "NETWORK\nA I 0.0;\nAN I 0.1;\n= L 20.0;\nA L 20.0;\nA I 0.2;\n= Q 4.0;\n";
+    let reads = "NETWORK\nA L 20.0;\nA I 0.4;\n= Q 4.1;\n";
+    let writes = "NETWORK\nA I 0.5;\n= L 20.1;\nA L 20.1;\nA I 0.6;\n= Q 4.2;\n";
+    let own = "NETWORK\nA I 0.7;\n= L 20.1;\nA L 20.1;\nA I 1.0;\n= Q 4.3;\n";
+    let boxes = "NETWORK\nA I 1.1;\n= L 20.2;\nA L 20.2;\nJNB _001;\nL 1;\nT MW 30;\n_001: NOP 0;\nA L 20.2;\nA I 1.2;\n= Q 4.4;\n";
+    let byte = "NETWORK\nL LB 20;\nT MB 32;\n";
+    let block = |networks: &str| format!("FUNCTION FC 5 : VOID\nBEGIN\n{networks}END_FUNCTION\n");
+    let shared = pictures("shared.awl", &block(&[branch, reads, writes, own, boxes].concat()), S7_300);
+    let with_byte = pictures("byte.awl", &block(&[boxes, byte].concat()), S7_300);
+    for (pictures, number, text, count) in [
+        (&shared, 1, ">L 20.0<", 2),
+        (&shared, 2, ">L 20.0<", 1),
+        (&shared, 3, ">L 20.1<", 0),
+        (&shared, 4, ">L 20.1<", 0),
+        (&shared, 5, ">L 20.2<", 0),
+        (&with_byte, 1, ">L 20.2<", 3),
+    ] {
+        let picture = &pictures[&format!("FC_5_network_{number}")];
+        assert_eq!(picture.matches(text).count(), count, "{text} in {picture}");
+    }
+}
+
 /// `L C 5` loads the count, another value than the bit that `A C 5` scans. What `L T 5` loads has no time base, so a trace does not tell it.
 #[test]
 fn a_counter_that_is_compared_shows_its_count() {
