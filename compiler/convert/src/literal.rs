@@ -174,6 +174,12 @@ pub fn any(bytes: &[u8; 10], set: Mnemonics) -> String {
     let ty = ANY_TYPES.iter().find(|(_, code)| *code == bytes[1]).map_or("VOID", |(name, _)| name);
     let [count, db] = [2, 4].map(|at| u16::from_be_bytes([bytes[at], bytes[at + 1]]));
     let pointer = u32::from_be_bytes([bytes[6], bytes[7], bytes[8], bytes[9]]);
+    // Timers and counters have a number in place of a pointer.
+    let pointer = match bytes[1] {
+        0x1C if pointer >> 16 == 0 => 0x7B << 24 | pointer << 3,
+        0x1D if pointer >> 16 == 0 => 0x7C << 24 | pointer << 3,
+        _ => pointer,
+    };
     format!("P#{} {ty} {count}", area_address(db, pointer, set))
 }
 
@@ -195,7 +201,8 @@ mod tests {
                 assert_eq!(literal::parse(&written).as_ref(), Ok(&value), "{text} as {written}");
             }
         }
-        for text in ["DT#1999-12-8-1:2:3.456", "P#M 10.0", "P#I 1.7", "P#DB5.DBX 20.0", "P#DB11.DBX 20.0 INT 10"] {
+        let pointers = ["P#M 10.0", "P#I 1.7", "P#DB5.DBX 20.0", "P#DB11.DBX 20.0 INT 10", "P#T 3.0 TIMER 2", "P#C 9.0 COUNTER 1"];
+        for text in pointers.into_iter().chain(["DT#1999-12-8-1:2:3.456"]) {
             let value = literal::parse(text).expect(text);
             for set in [Mnemonics::En, Mnemonics::De] {
                 let written = stl(&value, set);

@@ -105,7 +105,11 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let mut any = [0x10, type_code, 0, 0, 0, 0, 0, 0, 0, 0];
     any[2..4].copy_from_slice(&count.to_be_bytes());
     any[4..6].copy_from_slice(&db.to_be_bytes());
-    any[6..10].copy_from_slice(&pointer.to_be_bytes());
+    // The pointer of timers and counters is the number of the first, without an area. Source: Programming with STEP 7, format of
+    // parameter type ANY for parameter types.
+    let numbered = matches!((type_code, code), (0x1C, 0x7B) | (0x1D, 0x7C));
+    let place = if numbered { bits >> 3 } else { pointer };
+    any[6..10].copy_from_slice(&place.to_be_bytes());
     Ok(Literal::Any(any))
 }
 
