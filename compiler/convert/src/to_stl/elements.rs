@@ -1,9 +1,8 @@
 //! Elements of networks as statements, one after the other. Source: LAD/FBD reference F.1.
 
-use plcc_syntax::Elementary;
 use plcc_syntax::ast::{Operand, OperandKind, StatusOperand};
-use plcc_syntax::network::ast::{Element, Graph, Pin, PinValue, Storage, Target};
-use plcc_syntax::network::elements::{CounterCoil, Flag, Gate, Kind, Mcr, ReturnValue, Row};
+use plcc_syntax::network::ast::{Element, Graph, PinValue, Target};
+use plcc_syntax::network::elements::{Flag, Gate, Kind, Mcr, ReturnValue, Row};
 use plcc_syntax::scl::ast::{Expr, ExprKind};
 use plcc_syntax::stl::StlInsn;
 
@@ -54,38 +53,6 @@ impl Maker<'_> {
         for pin in outputs {
             let value = if element.pins[pin].negated { value.clone().not() } else { value.clone() };
             self.outputs.insert((at, pin), value);
-        }
-    }
-
-    /// A value in a variable of its own.
-    pub fn stored(&mut self, value: &Logic) -> Logic {
-        self.evaluate(value);
-        let bit = self.temporary(Elementary::Bool);
-        self.push(StlInsn::Assign, Some(bit.clone()));
-        Logic::Operand(bit)
-    }
-
-    fn keep(&mut self, graph: &Graph, plan: &Plan, net: plcc_syntax::network::ast::NetId) {
-        let value = self.net(graph, plan, net);
-        let net = plan.canonical(net);
-        let value = match value {
-            Logic::Constant(_) => value,
-            value if self.is_temporary(&value) => value,
-            value => {
-                let value = self.stored(&value);
-                // The RLO still has it.
-                self.rlo = Some(net);
-                value
-            }
-        };
-        self.values.insert(net, value);
-    }
-
-    fn is_temporary(&self, value: &Logic) -> bool {
-        let Logic::Operand(Operand { kind: OperandKind::Path(path), .. }) = value else { return false };
-        match &path.root {
-            plcc_syntax::ast::PathRoot::Local { name, .. } => self.temporaries.iter().any(|(known, _)| known == name),
-            _ => false,
         }
     }
 
@@ -155,91 +122,23 @@ impl Maker<'_> {
             Kind::SetCoil => self.coil(graph, plan, at, StlInsn::Set),
             Kind::ResetCoil => self.coil(graph, plan, at, StlInsn::Reset),
             Kind::Save => self.coil(graph, plan, at, StlInsn::Save),
-            Kind::EdgeCoil { rising } => {
-                let flow = self.input(graph, plan, at, "in");
-                let flow = self.passed(graph, plan, at, flow);
-                let (Some(bit), Some(operand)) =
-                    (self.pin_operand(element, "bit"), self.pin_operand(element, "operand"))
-                else {
-                    return;
-                };
-                self.evaluate(&Logic::Edge { of: Box::new(flow), bit, rising });
-                self.push(StlInsn::Assign, Some(operand));
-            }
+            Kind::EdgeCoil { rising } => self.edge_coil(graph, plan, at, rising),
             Kind::BitField { set } => self.bit_field(graph, plan, at, set),
             Kind::FlipFlop { set_wins } => self.flip_flop(graph, plan, at, set_wins, instance),
-            Kind::Jump { negated } => {
-                let Some(label) = self.jump_label(element, "label") else { return };
-                let flow = self.input(graph, plan, at, "in");
-                match flow {
-                    Logic::Constant(value) if value != negated => {
-                        self.jump(StlInsn::Jump, &label);
-                    }
-                    Logic::Constant(_) => {}
-                    flow => {
-                        self.evaluate(&flow);
-                        self.jump(if negated { StlInsn::JumpIfNot } else { StlInsn::JumpIf }, &label);
-                    }
-                }
-            }
+            Kind::Jump { negated } => self.jump_coil(graph, plan, at, negated),
             Kind::JumpList => self.jump_list(graph, plan, at),
             Kind::Switch => self.switch(graph, plan, at),
             Kind::Return(value) => self.return_coil(graph, plan, at, value),
             Kind::S5Timer(name) => self.timer(graph, plan, at, name, instance),
             Kind::S5Counter(_) => self.counter(graph, plan, at, instance),
-            Kind::CounterCoil(coil) => {
-                let Some(cell) = self.cell(element, "counter", instance) else { return };
-                let flow = self.input(graph, plan, at, "in");
-                let flow = self.passed(graph, plan, at, flow);
-                self.evaluate(&flow);
-                let insn = match coil {
-                    CounterCoil::Up => StlInsn::CountUp,
-                    CounterCoil::Down => StlInsn::CountDown,
-                    CounterCoil::Set => {
-                        self.load_count(graph, at);
-                        StlInsn::Set
-                    }
-                };
-                self.push(insn, Some(cell));
-            }
+            Kind::CounterCoil(coil) => self.counter_coil(graph, plan, at, coil, instance),
             Kind::OpenDb { di } => {
                 let Some(operand) = self.pin_operand(element, "operand") else { return };
                 let operand = opened(operand, di);
                 self.under_flow(graph, plan, at, |maker| maker.push(StlInsn::OpenDb, Some(operand)));
             }
-            Kind::CallCoil => {
-                let called = element.pin("operand").and_then(|pin| match &pin.value {
-                    PinValue::Operand(value) => match super::operand::block_name(value) {
-                        Some(block) => Some(OperandKind::Block(block)),
-                        // A parameter of type BLOCK_FC.
-                        None => self.operand(value).map(|operand| operand.kind),
-                    },
-                    PinValue::Net(_) | PinValue::Open => None,
-                });
-                let Some(kind @ (OperandKind::Block(_) | OperandKind::Path(_))) = called else {
-                    return self.refuse(element.span, "a call of this operand", "name an FC");
-                };
-                let flow = self.input(graph, plan, at, "in");
-                let operand = Some(Operand { kind, span: element.span });
-                if matches!(flow, Logic::Constant(true)) {
-                    self.push(StlInsn::CallUnconditional, operand);
-                } else {
-                    self.evaluate(&flow);
-                    self.push(StlInsn::CallConditional, operand);
-                }
-            }
-            Kind::Mcr(coil) => {
-                let flow = self.input(graph, plan, at, "in");
-                match coil {
-                    Mcr::Activate => self.push(StlInsn::McrActivate, None),
-                    Mcr::Deactivate => self.push(StlInsn::McrDeactivate, None),
-                    Mcr::Close => self.push(StlInsn::McrClose, None),
-                    Mcr::Open => {
-                        self.evaluate(&flow);
-                        self.push(StlInsn::McrOpen, None);
-                    }
-                }
-            }
+            Kind::CallCoil => self.call_coil(graph, plan, at),
+            Kind::Mcr(coil) => self.mcr_coil(graph, plan, at, coil),
             Kind::Instance(name) => self.instance_box(graph, plan, at, name, instance),
             Kind::TimerCoil(name) => self.timer_coil(graph, plan, at, name),
             // A gate that has its output at a variable.
@@ -281,86 +180,69 @@ impl Maker<'_> {
         self.rlo = net;
     }
 
-    /// The flow of a coil, in a variable if something after the coil needs it.
-    pub fn passed(&mut self, graph: &Graph, plan: &Plan, at: usize, flow: Logic) -> Logic {
+    /// `(P)` or `(N)`.
+    fn edge_coil(&mut self, graph: &Graph, plan: &Plan, at: usize, rising: bool) {
         let element = &graph.elements[at];
-        let pins: Vec<usize> = (0..element.pins.len())
-            .filter(|pin| element.pins[*pin].output && element.pins[*pin].name == "out")
-            .filter(|pin| match element.pins[*pin].value {
-                PinValue::Net(net) => plan.canonical(net) == net && plan.is_used(net),
-                PinValue::Operand(_) | PinValue::Open => false,
-            })
-            .collect();
-        if pins.is_empty() || matches!(flow, Logic::Constant(_)) {
-            pins.into_iter().for_each(|pin| drop(self.outputs.insert((at, pin), flow.clone())));
-            return flow;
-        }
-        let flow = self.stored(&flow);
-        pins.into_iter().for_each(|pin| drop(self.outputs.insert((at, pin), flow.clone())));
-        flow
+        let flow = self.input(graph, plan, at, "in");
+        let flow = self.passed(graph, plan, at, flow);
+        let (Some(bit), Some(operand)) = (self.pin_operand(element, "bit"), self.pin_operand(element, "operand"))
+        else {
+            return;
+        };
+        self.evaluate(&Logic::Edge { of: Box::new(flow), bit, rising });
+        self.push(StlInsn::Assign, Some(operand));
     }
 
-    /// The RLO is the value of an output.
-    pub fn result(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str) {
-        let element = &graph.elements[at];
-        let named = |pin: &Pin| pin.output && pin.name.eq_ignore_ascii_case(name);
-        let pins: Vec<usize> = (0..element.pins.len()).filter(|pin| named(&element.pins[*pin])).collect();
-        let is_net = |pin: &usize| matches!(element.pins[*pin].value, PinValue::Net(net) if plan.is_used(net));
-        if pins.len() == 1 && pins.iter().all(is_net) && !element.pins[pins[0]].negated && plan.continues(graph, at) {
-            self.outputs.insert((at, pins[0]), Logic::Rlo);
-            return;
-        }
-        let mut kept = None;
-        for pin in pins {
-            let (value, negated) = (&element.pins[pin].value, element.pins[pin].negated);
-            match value {
-                PinValue::Operand(operand) => {
-                    let Some(operand) = self.operand(operand) else { continue };
-                    let insn = match element.pins[pin].storage {
-                        Storage::None => StlInsn::Assign,
-                        Storage::Set => StlInsn::Set,
-                        Storage::Reset => StlInsn::Reset,
-                    };
-                    if negated {
-                        self.push(StlInsn::Not, None);
-                    }
-                    self.push(insn, Some(operand));
-                    if negated {
-                        self.push(StlInsn::Not, None);
-                    }
-                    kept.get_or_insert(None);
-                }
-                PinValue::Net(net) if plan.is_used(*net) => {
-                    let bit = match &kept {
-                        Some(Some(bit)) => Operand::clone(bit),
-                        _ => self.temporary(Elementary::Bool),
-                    };
-                    self.push(StlInsn::Assign, Some(bit.clone()));
-                    let value = Logic::Operand(bit.clone());
-                    self.outputs.insert((at, pin), if negated { value.not() } else { value });
-                    kept = Some(Some(bit));
-                }
-                PinValue::Net(_) | PinValue::Open => {}
+    /// `JMP`, or `JMPN` if negated.
+    fn jump_coil(&mut self, graph: &Graph, plan: &Plan, at: usize, negated: bool) {
+        let Some(label) = self.jump_label(&graph.elements[at], "label") else { return };
+        match self.input(graph, plan, at, "in") {
+            Logic::Constant(value) if value != negated => {
+                self.jump(StlInsn::Jump, &label);
+            }
+            Logic::Constant(_) => {}
+            flow => {
+                self.evaluate(&flow);
+                self.jump(if negated { StlInsn::JumpIfNot } else { StlInsn::JumpIf }, &label);
             }
         }
-        if kept.is_none() {
-            // The next scan must not be combined with this one.
-            let bit = self.temporary(Elementary::Bool);
-            self.push(StlInsn::Assign, Some(bit));
+    }
+
+    /// `CALL`, which calls an FC without parameters.
+    fn call_coil(&mut self, graph: &Graph, plan: &Plan, at: usize) {
+        let element = &graph.elements[at];
+        let called = element.pin("operand").and_then(|pin| match &pin.value {
+            PinValue::Operand(value) => match super::operand::block_name(value) {
+                Some(block) => Some(OperandKind::Block(block)),
+                // A parameter of type BLOCK_FC.
+                None => self.operand(value).map(|operand| operand.kind),
+            },
+            PinValue::Net(_) | PinValue::Open => None,
+        });
+        let Some(kind @ (OperandKind::Block(_) | OperandKind::Path(_))) = called else {
+            return self.refuse(element.span, "a call of this operand", "name an FC");
+        };
+        let flow = self.input(graph, plan, at, "in");
+        let operand = Some(Operand { kind, span: element.span });
+        if matches!(flow, Logic::Constant(true)) {
+            self.push(StlInsn::CallUnconditional, operand);
+        } else {
+            self.evaluate(&flow);
+            self.push(StlInsn::CallConditional, operand);
         }
     }
 
-    /// Whether anything is connected to an output.
-    pub fn is_wanted(&self, graph: &Graph, plan: &Plan, at: usize, name: &str) -> bool {
-        graph.elements[at].pins.iter().any(|pin| {
-            pin.output
-                && pin.name.eq_ignore_ascii_case(name)
-                && match pin.value {
-                    PinValue::Net(net) => plan.is_used(net),
-                    PinValue::Operand(_) => true,
-                    PinValue::Open => false,
-                }
-        })
+    fn mcr_coil(&mut self, graph: &Graph, plan: &Plan, at: usize, coil: Mcr) {
+        let flow = self.input(graph, plan, at, "in");
+        match coil {
+            Mcr::Activate => self.push(StlInsn::McrActivate, None),
+            Mcr::Deactivate => self.push(StlInsn::McrDeactivate, None),
+            Mcr::Close => self.push(StlInsn::McrClose, None),
+            Mcr::Open => {
+                self.evaluate(&flow);
+                self.push(StlInsn::McrOpen, None);
+            }
+        }
     }
 
     fn flip_flop(&mut self, graph: &Graph, plan: &Plan, at: usize, set_wins: bool, instance: Option<&Expr>) {
@@ -398,90 +280,6 @@ impl Maker<'_> {
             self.result(graph, plan, at, "q");
         } else if inputs.len() == 2 {
             self.open_pin();
-        }
-    }
-
-    /// What stands in the place of a pin without connection, so that the statements can be drawn as the box again.
-    fn open_pin(&mut self) {
-        self.push(StlInsn::Nop, Some(super::number(0, self.span)));
-    }
-
-    /// Whether a timer is a box: a coil has no pins but its start and its time.
-    fn is_cell_box(&self, graph: &Graph, plan: &Plan, at: usize) -> bool {
-        let wanted = ["bi", "bcd", "cv", "cv_bcd", "q"].iter().any(|name| self.is_wanted(graph, plan, at, name));
-        wanted || self.is_connected(graph, at, "r")
-    }
-
-    fn timer(&mut self, graph: &Graph, plan: &Plan, at: usize, name: &str, instance: Option<&Expr>) {
-        let element = &graph.elements[at];
-        let Some(cell) = self.cell(element, "timer", instance) else { return };
-        let insn = match name {
-            "S_PULSE" => StlInsn::TimerPulse,
-            "S_PEXT" => StlInsn::TimerExtendedPulse,
-            "S_ODT" => StlInsn::TimerOnDelay,
-            "S_ODTS" => StlInsn::TimerRetentiveOnDelay,
-            _ => StlInsn::TimerOffDelay,
-        };
-        if self.is_connected(graph, at, "s") {
-            let flow = self.input(graph, plan, at, "s");
-            let flow = self.passed(graph, plan, at, flow);
-            self.evaluate(&flow);
-            if self.is_connected(graph, at, "tv") {
-                self.load_pin(graph, at, "tv", Elementary::S5Time);
-            }
-            self.push(insn, Some(cell.clone()));
-        }
-        if self.is_cell_box(graph, plan, at) {
-            self.cell_end(graph, plan, at, cell, [("bi", StlInsn::Load), ("bcd", StlInsn::LoadBcd)]);
-        }
-    }
-
-    fn counter(&mut self, graph: &Graph, plan: &Plan, at: usize, instance: Option<&Expr>) {
-        let element = &graph.elements[at];
-        let Some(cell) = self.cell(element, "counter", instance) else { return };
-        for (name, insn) in [("cu", StlInsn::CountUp), ("cd", StlInsn::CountDown), ("s", StlInsn::Set)] {
-            if self.is_connected(graph, at, name) {
-                let flow = self.input(graph, plan, at, name);
-                self.evaluate(&flow);
-                if name == "s" && self.is_connected(graph, at, "pv") {
-                    self.load_count(graph, at);
-                }
-                self.push(insn, Some(cell.clone()));
-            }
-        }
-        self.cell_end(graph, plan, at, cell, [("cv", StlInsn::Load), ("cv_bcd", StlInsn::LoadBcd)]);
-    }
-
-    /// The reset, the values and the output of a timer or a counter.
-    fn cell_end(&mut self, graph: &Graph, plan: &Plan, at: usize, cell: Operand, pins: [(&str, StlInsn); 2]) {
-        if self.is_connected(graph, at, "r") {
-            let reset = self.input(graph, plan, at, "r");
-            self.evaluate(&reset);
-            self.push(StlInsn::Reset, Some(cell.clone()));
-        } else {
-            self.open_pin();
-        }
-        for (name, insn) in pins {
-            if self.is_wanted(graph, plan, at, name) {
-                self.push(insn, Some(cell.clone()));
-                self.store_pin(graph, plan, at, name, Elementary::Word);
-            } else {
-                self.open_pin();
-            }
-        }
-        if self.is_wanted(graph, plan, at, "q") {
-            self.push(StlInsn::And, Some(cell));
-            self.result(graph, plan, at, "q");
-        } else {
-            self.open_pin();
-        }
-    }
-
-    /// The timer or counter of an element.
-    fn cell(&mut self, element: &Element, pin: &str, instance: Option<&Expr>) -> Option<Operand> {
-        match instance {
-            Some(instance) => self.operand(instance),
-            None => self.pin_operand(element, pin),
         }
     }
 

@@ -2,8 +2,9 @@
 //!
 //! - `plan`: which values stay in the RLO, and which need a bit of their own.
 //! - `logic`: Boolean expressions as `A`, `O`, `A(`.
-//! - `elements`: contacts, coils, edges, timers, counters, jumps; `fields`: coils of several bits; `control`: jumps to one of several
-//!   labels.
+//! - `elements`: contacts, coils, edges, jumps; `cells`: S5 timers and counters; `fields`: coils of several bits; `control`: jumps to one
+//!   of several labels.
+//! - `outputs`: where the values of elements go.
 //! - `compare`: comparisons.
 //! - `boxes`: boxes with EN and ENO; `formula`: those that compute in several steps; `moves`: MOVE; `shifts`, `choices`.
 //! - `values`: types of boxes, how their inputs are loaded and outputs stored.
@@ -17,6 +18,7 @@
 
 mod boxes;
 mod calls;
+mod cells;
 mod choices;
 mod compare;
 pub(crate) mod constants;
@@ -31,6 +33,7 @@ pub(crate) mod library;
 mod logic;
 mod moves;
 mod operand;
+mod outputs;
 pub(crate) mod plan;
 mod shifts;
 mod texts;
