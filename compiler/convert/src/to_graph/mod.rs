@@ -3,18 +3,21 @@
 //! - [`drawing`]: signals as contacts in series and parallel, or as gates.
 //! - [`redraw`]: networks of LAD in FBD and back.
 //! - `statements`: what statements do, network by network; `logic` and `operand` are their parts, `boxes` what several statements are.
+//! - `coils`: what a flow leads to; `values`: what is loaded, compared and transferred.
 //! - `local_data`: addresses that become variables; `branches`: those that are lines of pictures.
 //!
 //! Source: LAD/FBD reference, chapter F.3.
 
 mod boxes;
 mod branches;
+mod coils;
 pub mod drawing;
 mod local_data;
 mod logic;
 mod operand;
 pub mod redraw;
 mod statements;
+mod values;
 
 pub(crate) use operand::constant;
 

@@ -3,18 +3,17 @@
 use std::collections::{HashMap, HashSet};
 
 use plcc_diag::{Code, Diagnostic, Severity, Span};
-use plcc_syntax::Elementary;
-use plcc_syntax::ast::{self, BlockName, CellKind, CodeBlock, Operand, OperandKind, Statement, StatementKind};
+use plcc_syntax::ast::{self, CellKind, CodeBlock, Operand, OperandKind, Statement, StatementKind};
 use plcc_syntax::network::ast::{Graph, Language, Pin, PinValue};
-use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
-use plcc_syntax::stl::StlInsn;
+use plcc_syntax::scl::ast::{Expr, Name, NameForm};
+use plcc_syntax::stl::{Mnemonics, StlInsn};
 
 use crate::to_stl::types::Types;
 
 use super::branches::Branches;
-use super::drawing::{Drawing, Reason, Signal, pin};
+use super::drawing::{Drawing, Reason, Signal};
 use super::logic::{Join, Logic};
-use super::operand::{Kind, compared, compares, expression, flag, keeps_bits, typed};
+use super::operand::{Kind, compared, expression, flag};
 
 /// A network that is drawn.
 pub struct Drawn {
@@ -115,6 +114,11 @@ fn returns(rest: &[&Statement]) -> bool {
         && after.iter().all(|statement| does_nothing(statement))
 }
 
+/// The reason for an instruction that has no form where it is.
+pub fn not_here(insn: StlInsn) -> Reason {
+    format!("`{}` here", insn.mnemonic(Mnemonics::En))
+}
+
 /// What reads the statements of a network.
 pub struct Reader<'a> {
     pub drawing: Drawing,
@@ -212,7 +216,7 @@ impl Reader<'_> {
 
     fn instruction(&mut self, insn: StlInsn, operand: Option<&Operand>, span: Span, last: bool) -> Result<(), Reason> {
         use StlInsn as I;
-        let named = || format!("`{}` here", insn.mnemonic(plcc_syntax::stl::Mnemonics::En));
+        let named = || not_here(insn);
         if let Some(done) = self.branch(insn, operand) {
             return done;
         }
@@ -251,7 +255,7 @@ impl Reader<'_> {
                 Ok(())
             }
             I::SetRlo | I::ClearRlo => {
-                self.unused(span)?;
+                self.unused()?;
                 self.logic = Logic { alternatives: Vec::new(), current: Some(Signal::Constant(insn == I::SetRlo)) };
                 self.fresh = true;
                 Ok(())
@@ -264,13 +268,7 @@ impl Reader<'_> {
                 _ => self.coil("S_Coil", operand),
             },
             I::Reset => self.coil("R_Coil", operand),
-            I::Save => {
-                let flow = self.flow()?;
-                let pins = self.drawing.input("in", &flow)?.into_iter().collect();
-                let element = self.drawing.element("SaveCoil", pins, None);
-                self.chain(element, flow);
-                Ok(())
-            }
+            I::Save => self.save_coil(),
             I::EdgePositive | I::EdgeNegative => {
                 let bit = expression(operand.ok_or_else(named)?)?;
                 let Some(of) = self.logic.value() else { return Err(named()) };
@@ -279,14 +277,7 @@ impl Reader<'_> {
                 self.fresh = false;
                 Ok(())
             }
-            I::Load => {
-                if self.loads.len() == 2 {
-                    return Err("a third value in the accumulators".to_string());
-                }
-                let operand = operand.ok_or_else(named)?;
-                self.loads.push((expression(operand)?, span, self.kind_of(operand)));
-                Ok(())
-            }
+            I::Load => self.load(operand, span),
             I::Transfer => self.transfer(operand.ok_or_else(named)?),
             I::TimerPulse => self.cell_coil("S_PULSE", "timer", "tv", operand),
             I::TimerExtendedPulse => self.cell_coil("S_PEXT", "timer", "tv", operand),
@@ -295,93 +286,12 @@ impl Reader<'_> {
             I::TimerOffDelay => self.cell_coil("S_OFFDT", "timer", "tv", operand),
             I::CountUp => self.cell_coil("CU_Coil", "counter", "", operand),
             I::CountDown => self.cell_coil("CD_Coil", "counter", "", operand),
-            I::Jump | I::JumpIf | I::JumpIfNot if last && self.nesting.is_empty() => {
-                let Some(OperandKind::Label(label)) = operand.map(|operand| &operand.kind) else { return Err(named()) };
-                let flow = match insn {
-                    I::Jump => {
-                        self.unused(span)?;
-                        Signal::Constant(true)
-                    }
-                    _ => self.flow()?,
-                };
-                let target =
-                    Expr { kind: ExprKind::Name(Name { text: label.clone(), form: NameForm::Bare, span }), span };
-                let mut pins: Vec<Pin> = self.drawing.input("in", &flow)?.into_iter().collect();
-                pins.push(pin("label", PinValue::Operand(target), false, false, span));
-                self.drawing.element(if insn == I::JumpIfNot { "I_JumpCoil" } else { "JumpCoil" }, pins, None);
-                Ok(())
-            }
-            I::OpenDb => {
-                self.unused(span)?;
-                let operand = operand.ok_or_else(named)?;
-                let di = matches!(
-                    &operand.kind,
-                    OperandKind::Block(BlockName::Numbered { prefix: ast::BlockPrefix::Di, .. })
-                );
-                let block = pin("operand", PinValue::Operand(expression(operand)?), false, false, span);
-                let mut pins: Vec<Pin> = self.drawing.input("in", &Signal::Constant(true))?.into_iter().collect();
-                pins.push(block);
-                self.drawing.element(if di { "OpenDICoil" } else { "OpenDBCoil" }, pins, None);
-                Ok(())
-            }
-            I::McrActivate | I::McrDeactivate | I::McrOpen | I::McrClose => {
-                let (name, flow) = match insn {
-                    I::McrActivate => ("McrActivateCoil", Signal::Constant(true)),
-                    I::McrDeactivate => ("McrDeactivateCoil", Signal::Constant(true)),
-                    I::McrClose => ("McrCloseCoil", Signal::Constant(true)),
-                    _ => ("McrOpenCoil", self.flow()?),
-                };
-                if insn != I::McrOpen {
-                    self.unused(span)?;
-                }
-                let pins = self.drawing.input("in", &flow)?.into_iter().collect();
-                self.drawing.element(name, pins, None);
-                Ok(())
-            }
-            I::CallUnconditional | I::CallConditional => {
-                let flow = if insn == I::CallConditional { self.flow()? } else { Signal::Constant(true) };
-                if insn == I::CallUnconditional {
-                    self.unused(span)?;
-                }
-                let block = expression(operand.ok_or_else(named)?)?;
-                let mut pins: Vec<Pin> = self.drawing.input("in", &flow)?.into_iter().collect();
-                pins.push(pin("operand", PinValue::Operand(block), false, false, span));
-                self.drawing.element("CallCoil", pins, None);
-                Ok(())
-            }
+            I::Jump | I::JumpIf | I::JumpIfNot if last && self.nesting.is_empty() => self.jump(insn, operand, span),
+            I::OpenDb => self.open_db(operand, span),
+            I::McrActivate | I::McrDeactivate | I::McrOpen | I::McrClose => self.mcr_coil(insn),
+            I::CallUnconditional | I::CallConditional => self.call_coil(insn, operand, span),
             _ => match compared(insn) {
-                Some((element, ty)) => {
-                    let [(left, ..), (right, ..)] = &self.loads[..] else {
-                        return Err("a comparison without two values before it".to_string());
-                    };
-                    if !self.fresh && self.logic.is_open() {
-                        return Err("a comparison that is not in parentheses".to_string());
-                    }
-                    let (left, right) = (left.clone(), right.clone());
-                    let bits = if ty == "Int" { 16 } else { 32 };
-                    let keeps = |kind: &Kind| !matches!(kind, Kind::Constant(literal) if !compares(literal, ty));
-                    let fits = |kind: &Kind| match kind {
-                        Kind::Bits(own) => *own == bits,
-                        // A REAL is its bits for `==D`, and a DINT for `==R`; an element would convert it.
-                        Kind::Type(own) => own.bits() == bits && (*own == Elementary::Real) == (ty == "Real"),
-                        Kind::Constant(_) => true,
-                        Kind::Cell | Kind::Unknown => false,
-                    };
-                    if !self.is_picture && self.loads.iter().any(|(_, _, kind)| *kind == Kind::Unknown) {
-                        return Err("a comparison of operands whose types are not in the source".to_string());
-                    }
-                    if !self.is_picture && !self.loads.iter().all(|(_, _, kind)| keeps(kind)) {
-                        return Err(format!("a comparison as {ty} with a constant that is not of this type"));
-                    }
-                    if !self.is_picture && !self.loads.iter().all(|(_, _, kind)| fits(kind)) {
-                        return Err(format!("a comparison as {ty} of operands of another type"));
-                    }
-                    self.loads.clear();
-                    let signal = Signal::Compare { element, ty, left: typed(left, ty), right: typed(right, ty), span };
-                    self.logic = Logic { alternatives: Vec::new(), current: Some(signal) };
-                    self.fresh = false;
-                    Ok(())
-                }
+                Some((element, ty)) => self.compare(element, ty, span),
                 None => Err(named()),
             },
         }
@@ -450,130 +360,17 @@ impl Reader<'_> {
     }
 
     /// Another coil may follow, with the same flow.
-    fn chain(&mut self, element: usize, flow: Signal) {
+    pub fn chain(&mut self, element: usize, flow: Signal) {
         if matches!(&flow, Signal::Operand(_) | Signal::Not(_)) {
             self.chain = Some((element, flow));
         }
     }
 
     /// An instruction that does not look at the RLO must not follow an open one.
-    fn unused(&self, _span: Span) -> Result<(), Reason> {
+    pub fn unused(&self) -> Result<(), Reason> {
         match self.nesting.is_empty() && (self.fresh || !self.logic.is_open()) {
             true => Ok(()),
             false => Err("an unconditional instruction after contacts".to_string()),
         }
-    }
-
-    // What a flow leads to.
-
-    fn coil(&mut self, name: &str, operand: Option<&Operand>) -> Result<(), Reason> {
-        let value = expression(operand.ok_or("a coil without operand")?)?;
-        let flow = self.flow()?;
-        let span = value.span;
-        let mut pins: Vec<Pin> = self.connected(&flow)?.into_iter().collect();
-        pins.push(pin("operand", PinValue::Operand(value), false, true, span));
-        let element = self.drawing.element(name, pins, None);
-        self.chain(element, flow);
-        Ok(())
-    }
-
-    /// The flow pin of a coil; a coil must have one.
-    pub fn connected(&mut self, flow: &Signal) -> Result<Option<Pin>, Reason> {
-        match flow {
-            Signal::Constant(_) => {
-                self.drawing.side_input("in", flow).map(Some).and_then(|side| match self.drawing.input("in", flow)? {
-                    Some(pin) => Ok(Some(pin)),
-                    None => Ok(side),
-                })
-            }
-            flow => self.drawing.input("in", flow),
-        }
-    }
-
-    fn cell_coil(&mut self, name: &str, cell: &str, value: &str, operand: Option<&Operand>) -> Result<(), Reason> {
-        let operand = expression(operand.ok_or("an instruction without its cell")?)?;
-        let span = operand.span;
-        let flow = self.flow()?;
-        let loaded = match (&self.loads[..], value) {
-            ([], "") => None,
-            ([(loaded, ..)], value) if !value.is_empty() => {
-                Some(pin(value, PinValue::Operand(loaded.clone()), false, false, span))
-            }
-            _ => return Err("a timer or counter without exactly its value before it".to_string()),
-        };
-        self.loads.clear();
-        let flow_pin = if name.starts_with("S_") { "s" } else { "in" };
-        let mut pins: Vec<Pin> = self.connected(&flow)?.into_iter().collect();
-        pins.iter_mut().for_each(|pin| pin.name = flow_pin.to_string());
-        pins.push(pin(cell, PinValue::Operand(operand), false, false, span));
-        pins.extend(loaded);
-        let element = self.drawing.element(name, pins, None);
-        self.chain(element, flow);
-        Ok(())
-    }
-
-    /// `L a; T b`.
-    fn transfer(&mut self, operand: &Operand) -> Result<(), Reason> {
-        self.unused(operand.span)?;
-        let [(value, span, from)] = &self.loads[..] else {
-            return Err("a transfer without exactly one value before it".to_string());
-        };
-        self.can_move(from, operand)?;
-        let (value, span) = (value.clone(), *span);
-        self.loads.clear();
-        let mut pins: Vec<Pin> = self.drawing.input("en", &Signal::Constant(true))?.into_iter().collect();
-        pins.push(pin("in", PinValue::Operand(value), false, false, span));
-        pins.push(pin("out1", PinValue::Operand(expression(operand)?), false, true, operand.span));
-        self.drawing.element("Move", pins, None);
-        Ok(())
-    }
-
-    /// MOVE has the bits that `L` and `T` have.
-    pub fn can_move(&self, from: &Kind, operand: &Operand) -> Result<(), Reason> {
-        let to = self.kind_of(operand);
-        let target = match &to {
-            Kind::Bits(bits) => Some((*bits, None)),
-            Kind::Type(ty) => Some((ty.bits(), Some(*ty))),
-            Kind::Constant(_) | Kind::Cell | Kind::Unknown => None,
-        };
-        match (from, target) {
-            _ if self.is_picture => Ok(()),
-            (Kind::Constant(literal), Some((bits, ty))) if keeps_bits(literal, bits, ty) => Ok(()),
-            (Kind::Constant(_), Some(_)) => Err("a transfer of a constant to an operand of another type".to_string()),
-            (Kind::Bits(_) | Kind::Type(_), _) if *from == to => Ok(()),
-            // An address has the type of the other operand.
-            (Kind::Bits(bits), Some((width, _))) if *bits == width => Ok(()),
-            (Kind::Type(ty), Some((width, _))) if matches!(to, Kind::Bits(_)) && ty.bits() == width => Ok(()),
-            (Kind::Cell, _) => Err("the value of a timer or counter without its box".to_string()),
-            (Kind::Bits(_) | Kind::Type(_), Some(_)) => {
-                Err("a transfer between operands of different types".to_string())
-            }
-            _ => Err("a transfer between operands whose types are not in the source".to_string()),
-        }
-    }
-
-    /// What is known of the type of an operand.
-    pub fn kind_of(&self, operand: &Operand) -> Kind {
-        match &operand.kind {
-            OperandKind::Cell { .. } => Kind::Cell,
-            OperandKind::Literal(literal) => Kind::Constant(literal.clone()),
-            OperandKind::Absolute { width, .. } | OperandKind::DbAbsolute { width, .. } => Kind::Bits(width.bits()),
-            kind => self.types.of(kind, self.block).map_or(Kind::Unknown, Kind::Type),
-        }
-    }
-
-    fn call(&mut self, call: &ast::Call) -> Result<(), Reason> {
-        self.unused(call.target.span)?;
-        let is_plain = matches!(call.target.kind, OperandKind::Block(_));
-        if !call.parameters.is_empty() || call.instance.is_some() || !is_plain {
-            self.call_box(call, &Signal::Constant(true))?;
-            (self.logic, self.fresh) = (Logic::default(), true);
-            return Ok(());
-        }
-        let block = expression(&call.target)?;
-        let mut pins: Vec<Pin> = self.drawing.input("in", &Signal::Constant(true))?.into_iter().collect();
-        pins.push(pin("operand", PinValue::Operand(block), false, false, call.target.span));
-        self.drawing.element("CallCoil", pins, None);
-        Ok(())
     }
 }
