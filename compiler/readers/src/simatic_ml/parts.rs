@@ -1,20 +1,20 @@
 //! Networks of LAD and FBD, first half: the parts, accesses and wires of a `FlgNet`, with directions of pins settled.
 
+mod element;
+mod wire;
+
 use std::collections::HashMap;
 
-use plcc_diag::{Code, Diagnostic, Severity, Span};
-use plcc_literal::distance::nearest;
+use plcc_diag::Span;
 use roxmltree::Node;
 
-use super::data_type;
-use super::operand;
 use super::reader::{Reader, Refused};
 use super::step_time;
-use crate::xml::{attribute_range, child, children, elements, head, text_of};
-use plcc_syntax::network::absent;
-use plcc_syntax::network::ast::{Comparison, Eno, Target, Template, TemplateKey};
-use plcc_syntax::network::elements::{self, Gate, Kind, PinDirection, Row};
-use plcc_syntax::scl::ast::{Expr, ExprKind, Name, NameForm};
+use crate::xml::{attribute_range, child, children, elements};
+pub use element::OTHER_TEMPLATES;
+use plcc_syntax::network::ast::{Comparison, Eno, Target, Template};
+use plcc_syntax::network::elements::{Gate, Kind, PinDirection, Row};
+use plcc_syntax::scl::ast::{Expr, Name};
 
 /// Number of a part, access or wire in its network.
 pub type UId = u64;
@@ -154,7 +154,7 @@ pub fn read(reader: &mut Reader, net: Node, whose: &str) -> Result<Parts, Refuse
     }
     let index: HashMap<UId, usize> = found.parts.iter().enumerate().map(|(at, part)| (part.uid, at)).collect();
     for node in wires {
-        let wire = wire(reader, node, whose, &mut found, &index)?;
+        let wire = wire::wire(reader, node, whose, &mut found, &index)?;
         found.wires.push(wire);
     }
     Ok(found)
@@ -169,14 +169,14 @@ fn parts(reader: &mut Reader, list: Node, whose: &str, found: &mut Parts) -> Res
                 found.operands.insert(uid, operand);
             }
             ("Part", Some(uid)) => {
-                let part = part(reader, node, uid, whose)?;
+                let part = element::part(reader, node, uid, whose)?;
                 found.parts.push(part);
                 if let Some(compared) = step_time::of(node.attribute("Name").unwrap_or_default()) {
                     step_time::wire(reader, node, compared, whose, found)?;
                 }
             }
             ("Call", Some(uid)) => {
-                let part = call(reader, node, uid, whose)?;
+                let part = element::call(reader, node, uid, whose)?;
                 found.parts.push(part);
             }
             ("Comment" | "LineComment", _) => {}
@@ -212,370 +212,4 @@ fn numbers(reader: &mut Reader, list: Node, whose: &str) -> Result<(), Refused> 
         }
     }
     Ok(())
-}
-
-fn part(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
-    let name = node.attribute("Name").unwrap_or_default();
-    if name.is_empty() {
-        let title = format!("{whose} has a part without a name");
-        return Err(reader.fault(
-            head(node),
-            title,
-            "`Name` is missing",
-            "name the element, as in `<Part Name=\"Contact\" UId=\"21\" />`",
-        ));
-    }
-    let span = reader.name_span(node, "Name");
-    let step_time = step_time::of(name);
-    let row = if step_time.is_some() { elements::find_xml("Gt") } else { elements::find_xml(name) };
-    if let (None, Some((why, help))) = (row, absent::reason(name)) {
-        let text = match plcc_stdlib::catalogued(name) {
-            Some((group, own)) => {
-                format!("{whose} contains `{own}`, an instruction of {} that plcc does not have", group.tool)
-            }
-            None => format!("{whose} contains the element `{name}`, which plcc does not have"),
-        };
-        reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(why).help(help));
-        return Err(Refused);
-    }
-    let target = match row {
-        Some(row) => Target::Element { row, instance: None },
-        // A block of the system library, by name.
-        None if is_library_call(node) => {
-            let name = Name { text: name.to_string(), form: NameForm::Bare, span };
-            Target::Block { callee: Expr { kind: ExprKind::Name(name), span }, instance: None }
-        }
-        None if let Some((group, written)) = plcc_stdlib::catalogued(name) => {
-            let text =
-                format!("{whose} contains `{written}`, an instruction of {} that plcc does not have", group.tool);
-            let help = format!("write a block `{written}` that does the same, and call it here");
-            let label = format!("group: {}", group.name);
-            reader.diagnostics.push(Diagnostic::new(Code::UnknownElement, span, text).label(label).help(help));
-            return Err(Refused);
-        }
-        None => {
-            let message = Diagnostic::new(
-                Code::UnknownElement,
-                span,
-                format!("{whose} contains the element `{name}`, which plcc does not know"),
-            );
-            let help = match plcc_syntax::network::elements::nearest_sd(name) {
-                Some(known) => format!("is `{known}` meant? Otherwise call a block that does the same"),
-                None => "call a block that does the same, or write the network in SCL".to_owned(),
-            };
-            reader.diagnostics.push(message.label("not known").help(help));
-            return Err(Refused);
-        }
-    };
-    let mut part = Part {
-        uid,
-        target,
-        templates: Vec::new(),
-        eno: if row.is_none_or(Row::is_box) { eno(node) } else { Eno::Default },
-        equation: None,
-        cases: Vec::new(),
-        negated: Vec::new(),
-        card: None,
-        parameters: Vec::new(),
-        open_parameters: row.is_none(),
-        step_time: step_time.is_some(),
-        span,
-    };
-    for setting in elements(node) {
-        match setting.tag_name().name() {
-            "Instance" => {
-                let found = reader.instance(setting, whose)?;
-                match &mut part.target {
-                    Target::Element { instance, .. } | Target::Block { instance, .. } => *instance = Some(found),
-                }
-            }
-            "TemplateValue" => template(reader, setting, &mut part, whose)?,
-            "AutomaticTyped" => {
-                let key = TemplateKey::of(setting.attribute("Name").unwrap_or_default());
-                part.templates.push(Template { key, value: String::new(), span: reader.span(head(setting)) });
-            }
-            "Equation" => {
-                let text = text_of(setting);
-                let wanted = setting.first_child().map_or(setting.range().start, |text| text.range().start);
-                part.equation = Some(reader.expression(setting, wanted, &text));
-            }
-            "Negated" => negate(reader, setting, &mut part, whose)?,
-            "Invisible" | "Comment" | "LineComment" | "StringAttribute" | "BooleanAttribute" | "IntegerAttribute" => {}
-            other => return Err(reader.refuse(setting, whose, &format!("the element `{name}` with `{other}`"))),
-        }
-    }
-    Ok(part)
-}
-
-/// Whether a part that is not in the table is a call of the system library: such a call has a version, an instance, or an optional ENO.
-fn is_library_call(node: Node) -> bool {
-    node.attribute("Version").is_some() || node.attribute("DisabledENO").is_some() || child(node, "Instance").is_some()
-}
-
-fn eno(node: Node) -> Eno {
-    match node.attribute("DisabledENO") {
-        Some(value) if value.eq_ignore_ascii_case("true") || value == "1" => Eno::Disabled,
-        Some(_) => Eno::Generated,
-        None => Eno::Default,
-    }
-}
-
-/// Names of settings that the compiler does not need: types that follow from the operands. SIMATIC SD has them too.
-pub const OTHER_TEMPLATES: &[&str] = &[
-    "date_type",
-    "in1_type",
-    "in2_type",
-    "in_out_type",
-    "operand_type",
-    "operation",
-    "res_type",
-    "result_type",
-    "string_type",
-    "type",
-];
-
-fn template(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Result<(), Refused> {
-    let value = text_of(node);
-    let name = node.attribute("Name").unwrap_or_default();
-    let key = TemplateKey::of(name);
-    if key == TemplateKey::Card {
-        // The pins are only counted; only gates need pins that nothing is wired to.
-        part.card = value.parse().ok();
-        return match part.card {
-            Some(_) => Ok(()),
-            None => Err(reader.refuse(node, whose, &format!("`{value}` as a number of pins"))),
-        };
-    }
-    let is_case = part.row().is_some_and(|row| row.kind == Kind::Switch);
-    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
-    let is_known = TemplateKey::of(stem) != TemplateKey::Other
-        || OTHER_TEMPLATES.iter().any(|known| known.eq_ignore_ascii_case(stem));
-    if !is_known && !is_case {
-        let span = reader.span(head(node));
-        let title = format!("{whose} contains the setting `{name}` of an element, which plcc does not know");
-        let mut message = Diagnostic::new(Code::ForeignContent, span, title).label("has no effect");
-        message.severity = Severity::Warning;
-        reader.diagnostics.push(message.help("check whether the element works as intended without it"));
-    }
-    if let Some(case) = Comparison::of(&value).filter(|_| is_case) {
-        part.cases.push(case);
-        return Ok(());
-    }
-    let range = node.first_child().map_or_else(|| attribute_range(node, "Name"), |text| text.range());
-    if key != TemplateKey::Other
-        && let Some(meant) = data_type::meant(&value)
-    {
-        let title = format!("{whose} sets `{name}` of an element to `{value}`, which is not a data type");
-        return Err(reader.fault(range, title, "a data type is expected", format!("is `{meant}` meant?")));
-    }
-    let placed = reader.overlay.place(&value, range.start, range.clone());
-    part.templates.push(Template { key, value, span: reader.span(placed.unwrap_or(range)) });
-    Ok(())
-}
-
-fn negate(reader: &mut Reader, node: Node, part: &mut Part, whose: &str) -> Result<(), Refused> {
-    let name = node.attribute("Name").unwrap_or_default();
-    match part.pin(name).or_else(|| part.parameter(name, false)) {
-        Some((name, _)) => part.negated.push(name),
-        None => return Err(unknown_pin(reader, node, part, whose)),
-    }
-    Ok(())
-}
-
-/// Sections of the parameters of a call.
-const SECTIONS: [&str; 8] = ["Input", "Output", "InOut", "Return", "Static", "Temp", "Constant", "None"];
-
-/// Reports a value of an attribute that the attribute does not have.
-fn value_of(reader: &mut Reader, node: Node, attribute: &str, known: &[&str], whose: &str) -> Result<(), Refused> {
-    let Some(value) = node.attribute(attribute).filter(|value| !known.contains(value)) else { return Ok(()) };
-    let title = format!("`{value}` is not a value of `{attribute}`, in {whose}");
-    let help = match nearest(value, known.iter().copied()) {
-        Some(meant) => format!("is `{meant}` meant?"),
-        None => format!("its values are {}", known.join(", ")),
-    };
-    Err(reader.fault(attribute_range(node, attribute), title, format!("of `{}`", node.tag_name().name()), help))
-}
-
-fn call(reader: &mut Reader, node: Node, uid: UId, whose: &str) -> Result<Part, Refused> {
-    let Some(info) = child(node, "CallInfo") else {
-        return Err(reader.refuse(node, whose, "a call without `CallInfo`"));
-    };
-    value_of(reader, info, "BlockType", &["FB", "FC"], whose)?;
-    for parameter in children(info, "Parameter") {
-        value_of(reader, parameter, "Section", &SECTIONS, whose)?;
-    }
-    let name = info.attribute("Name").unwrap_or_default();
-    if info.attribute("BlockType") == Some("FC") && child(info, "Instance").is_some() {
-        let title = format!("{whose} calls `{name}` as an FC, but with an instance");
-        let help = "remove `Instance`, or write `BlockType=\"FB\"`";
-        return Err(reader.fault(attribute_range(info, "BlockType"), title, "a function has no instance", help));
-    }
-    if info.attribute("BlockType") == Some("FB") && child(info, "Instance").is_none() {
-        let title = format!("{whose} calls `{name}` as an FB, but without an instance");
-        let help = "add `Instance` with the data block or the variable, or write `BlockType=\"FC\"`";
-        return Err(reader.fault(attribute_range(info, "BlockType"), title, "its data is in an instance", help));
-    }
-    let range = attribute_range(info, "Name");
-    let callee = reader.expression(info, range.start.saturating_sub(1), &operand::quoted(name));
-    let mut instance = None;
-    let mut parameters = Vec::new();
-    for setting in elements(info) {
-        match setting.tag_name().name() {
-            "Instance" => instance = Some(reader.instance(setting, whose)?),
-            "Parameter" => {
-                let output = matches!(setting.attribute("Section"), Some("Output" | "Return"));
-                parameters.push((setting.attribute("Name").unwrap_or_default().to_string(), output));
-            }
-            "IntegerAttribute" | "DateAttribute" | "StringAttribute" | "BooleanAttribute" | "Comment" => {}
-            other => return Err(reader.refuse(setting, whose, &format!("a call with `{other}`"))),
-        }
-    }
-    let span = callee.span;
-    let mut part = Part {
-        uid,
-        target: Target::Block { callee, instance },
-        templates: Vec::new(),
-        eno: eno(node),
-        equation: None,
-        cases: Vec::new(),
-        negated: Vec::new(),
-        card: None,
-        parameters,
-        open_parameters: false,
-        step_time: false,
-        span,
-    };
-    for setting in elements(node) {
-        match setting.tag_name().name() {
-            "CallInfo" | "Invisible" | "Comment" | "LineComment" => {}
-            "Negated" => negate(reader, setting, &mut part, whose)?,
-            other => return Err(reader.refuse(setting, whose, &format!("a call with `{other}`"))),
-        }
-    }
-    Ok(part)
-}
-
-fn wire(
-    reader: &mut Reader,
-    node: Node,
-    whose: &str,
-    found: &mut Parts,
-    index: &HashMap<UId, usize>,
-) -> Result<Wire, Refused> {
-    let mut ends: Vec<End> = Vec::new();
-    if !crate::xml::is(node, "Wire") {
-        return Err(reader.refuse(node, whose, &format!("`{}`", node.tag_name().name())));
-    }
-    for end in elements(node) {
-        let end = match end.tag_name().name() {
-            "Powerrail" => End::Rail,
-            "OpenCon" | "Openbranch" | "OpenBranch" => End::Open,
-            "Comment" | "LineComment" => continue,
-            "IdentCon" => match uid(end).filter(|uid| found.operands.contains_key(uid)) {
-                Some(uid) => End::Operand(uid),
-                None => {
-                    return Err(unknown_end(reader, end, "operand", found.operands.keys().copied().collect(), whose));
-                }
-            },
-            "NameCon" => {
-                let name = end.attribute("Name").unwrap_or_default();
-                let Some(part) = uid(end).and_then(|uid| index.get(&uid)).copied() else {
-                    return Err(unknown_end(reader, end, "element", index.keys().copied().collect(), whose));
-                };
-                // The first end of a wire feeds the others.
-                let feeds = ends.is_empty();
-                let from_operand = matches!(ends.first(), Some(End::Operand(_)));
-                let known = match found.parts[part].step_time {
-                    true => Some(step_time::pin(name, from_operand)),
-                    false => found.parts[part].pin(name),
-                };
-                let Some((pin, output)) = known.or_else(|| found.parts[part].parameter(name, feeds)) else {
-                    return Err(unknown_pin(reader, end, &found.parts[part], whose));
-                };
-                let span = reader.name_span(end, "Name");
-                End::Pin { part, name: pin, output, span }
-            }
-            other => return Err(reader.refuse(end, whose, &format!("a wire with `{other}`"))),
-        };
-        ends.push(end);
-    }
-    if ends.len() < 2 {
-        let title = format!("{whose} has a wire that ends nowhere");
-        let label = if ends.is_empty() { "it has no end" } else { "it has only one end" };
-        let help = "name the pins that it joins with `NameCon`; a pin that stays open has `OpenCon` at the other end";
-        return Err(reader.fault(head(node), title, label, help));
-    }
-    let outputs: Vec<Span> = ends
-        .iter()
-        .filter_map(|end| match end {
-            End::Pin { output: true, span, .. } => Some(*span),
-            End::Pin { .. } | End::Rail | End::Operand(_) | End::Open => None,
-        })
-        .collect();
-    if let [first, second, ..] = outputs.as_slice() {
-        let title = format!("{whose} has a wire from two outputs");
-        let message = Diagnostic::new(Code::ForeignContent, *second, title)
-            .label("the second output")
-            .also(*first, "the first one");
-        reader.diagnostics.push(message.help("join branches with an element `O`, or correct the names of the pins"));
-        return Err(Refused);
-    }
-    let operands = ends.iter().filter(|end| matches!(end, End::Operand(_))).count();
-    if operands > 1 && !ends.iter().any(|end| matches!(end, End::Pin { output: true, .. })) {
-        let title = format!("{whose} has a wire from {operands} operands to one pin");
-        let help = "a pin has one operand: remove the other `IdentCon`, or give it a wire of its own";
-        return Err(reader.fault(head(node), title, "only one of them can be read", help));
-    }
-    Ok(Wire { ends, span: reader.span(head(node)) })
-}
-
-/// A wire to a number that no operand or element has.
-fn unknown_end(reader: &mut Reader, end: Node, kind: &str, mut known: Vec<UId>, whose: &str) -> Refused {
-    known.sort_unstable();
-    let numbers: Vec<String> = known.iter().take(NUMBERS_MAX).map(u64::to_string).collect();
-    let more = if known.len() > NUMBERS_MAX { " and more" } else { "" };
-    let help = match numbers.is_empty() {
-        true => format!("add the {kind} to `Parts`, or remove the wire"),
-        false => format!("the numbers of {kind}s are {}{more}", numbers.join(", ")),
-    };
-    let title = match end.attribute("UId") {
-        Some(uid) => format!("{whose} has a wire to the UId {uid}, which no {kind} has"),
-        None => format!("{whose} has a wire to an {kind} without saying to which"),
-    };
-    let label =
-        if end.attribute("UId").is_some() { format!("no {kind} of this number") } else { "`UId` is missing".into() };
-    reader.fault(attribute_range(end, "UId"), title, label, help)
-}
-
-/// How many numbers a message lists.
-const NUMBERS_MAX: usize = 8;
-
-fn unknown_pin(reader: &mut Reader, node: Node, part: &Part, whose: &str) -> Refused {
-    let name = node.attribute("Name").unwrap_or_default();
-    let element = match &part.target {
-        Target::Element { row, .. } => row.name.to_string(),
-        Target::Block {
-            callee: Expr { kind: ExprKind::Name(Name { text, form: NameForm::Quoted, .. }), .. }, ..
-        } => text.clone(),
-        Target::Block { .. } => "call".to_string(),
-    };
-    let pins: Vec<String> = match part.row() {
-        Some(row) => row.pins().map(|pin| pin.name().to_string()).collect(),
-        None => ["en", "eno"]
-            .map(str::to_string)
-            .into_iter()
-            .chain(part.parameters.iter().map(|(name, _)| name.clone()))
-            .collect(),
-    };
-    let help = match nearest(name, pins.iter().map(String::as_str)) {
-        Some(meant) => format!("is `{meant}` meant?"),
-        None => format!("its pins are {}", pins.join(", ")),
-    };
-    let title = match name.is_empty() {
-        true => format!("{whose} has a wire to `{element}` without the name of a pin"),
-        false => format!("`{element}` has no pin `{name}`"),
-    };
-    let message = Diagnostic::new(Code::UnknownParameter, reader.span(attribute_range(node, "Name")), title);
-    reader.diagnostics.push(message.label(format!("not a pin of this element, in {whose}")).help(help));
-    Refused
 }
