@@ -3,21 +3,24 @@
 //! A name begins with a symbol or a DB, and goes on with members, indices and at last a slice of a bit string. Quotes may be
 //! left out, and letters of both cases are the same where no other name has the exact letters.
 
+mod instances;
 mod limits;
+mod messages;
 pub mod path;
 mod used;
 
 use plcc_abi::ProgramImage;
-use plcc_abi::image::{AssertType, BlockKind, DbEntry};
-use plcc_abi::names::{NamedStruct, NamedType, TypeNumber, structure_number};
-use plcc_literal::distance::nearest;
+use plcc_abi::image::{AssertType, DbEntry};
+use plcc_abi::names::{NamedStruct, NamedType, TypeNumber};
 
 use crate::address::{self, Address, Place, Width, digits};
 use crate::s7200::Part as S7200Part;
 use crate::signal;
-use crate::typed::{self, ValueType};
+use crate::typed::ValueType;
+use messages::{bit_of_word, no_member, what};
 use path::{Part, written};
 
+pub use instances::{InstanceName, instance};
 pub use limits::Limits;
 pub use used::used;
 
@@ -36,9 +39,6 @@ struct Variable {
     bit: u8,
     ty: TypeNumber,
 }
-
-/// Members and indices of which a structure or array is made, in a list.
-const LISTED_MAX: usize = 12;
 
 /// Finds an absolute address or a symbolic name. `Err`: the error as a sentence.
 pub fn find(text: &str, image: &ProgramImage) -> Result<Named, String> {
@@ -128,26 +128,6 @@ fn usual_type(place: Place) -> Option<ValueType> {
 
 fn same(a: &str, b: &str) -> bool {
     a == b || a.to_lowercase() == b.to_lowercase()
-}
-
-/// An instance of a function block.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct InstanceName {
-    /// Of the data block, or of the component; an element of an array with its index.
-    pub name: String,
-    /// From the data block on: `Line.Pumps[2]`.
-    pub path: String,
-}
-
-/// The instance at `byte` of a DB, whose type has the number `kind` ([`structure_number`]); `None`: nothing of this type begins there.
-pub fn instance(image: &ProgramImage, db: u16, byte: u32, kind: u32) -> Option<InstanceName> {
-    let finder = Finder { image };
-    let db = finder.db(db.into())?;
-    let name = if db.name.is_empty() { format!("DB{}", db.number) } else { db.name.clone() };
-    let root = InstanceName { path: name.clone(), name };
-    // The type of a DB may have another name than the block, and is the only one that can be left.
-    let whole = (byte == 0).then(|| root.clone());
-    db.ty.and_then(|ty| finder.instance(root, ty, byte, kind)).or(whole)
 }
 
 /// What the first part of a name means.
@@ -337,135 +317,6 @@ impl<'a> Finder<'a> {
             Some(NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. }) | None => {}
         }
     }
-
-    /// What has the type `kind` at `byte` of a variable.
-    fn instance(&self, from: InstanceName, ty: TypeNumber, byte: u32, kind: u32) -> Option<InstanceName> {
-        match self.ty(ty)? {
-            NamedType::Struct(structure) => {
-                if byte == 0 && structure_number(&structure.name) == kind {
-                    return Some(from);
-                }
-                let before = &structure.members[..structure.members.partition_point(|member| member.byte <= byte)];
-                let nearest = before.last()?.byte;
-                // Several begin at one byte if instances have no data.
-                let here = before.iter().rev().take_while(|member| member.byte == nearest);
-                here.filter_map(|member| {
-                    let path = format!("{}.{}", from.path, member.name);
-                    let inner = InstanceName { name: member.name.clone(), path };
-                    self.instance(inner, member.ty, byte - nearest, kind)
-                })
-                .next()
-            }
-            NamedType::Array { dimensions, element } => {
-                let mut rest = u64::from(byte) * 8;
-                let mut texts = Vec::new();
-                for dimension in dimensions {
-                    let number = rest / u64::from(dimension.distance.max(1));
-                    texts.push((i64::from(dimension.low) + number as i64).to_string());
-                    rest -= number * u64::from(dimension.distance);
-                }
-                let index = format!("[{}]", texts.join(","));
-                let inner = InstanceName { name: from.name + &index, path: from.path + &index };
-                self.instance(inner, *element, (rest / 8) as u32, kind)
-            }
-            NamedType::Value(_) | NamedType::Text { .. } | NamedType::Other { .. } => None,
-        }
-    }
-
-    /// A type as a user knows it.
-    fn name(&self, number: TypeNumber) -> String {
-        match self.ty(number) {
-            Some(NamedType::Value(ty)) => format!("of type {}", typed::name(*ty)),
-            Some(NamedType::Text { wide: false, length }) => format!("a STRING[{length}]"),
-            Some(NamedType::Text { wide: true, length }) => format!("a WSTRING[{length}]"),
-            Some(NamedType::Array { dimensions, .. }) => {
-                let bounds: Vec<String> =
-                    dimensions.iter().map(|dimension| format!("{}..{}", dimension.low, dimension.high)).collect();
-                format!("an ARRAY[{}]", bounds.join(","))
-            }
-            Some(NamedType::Struct(structure)) if structure.name.is_empty() => "a structure".to_string(),
-            Some(NamedType::Struct(structure)) => format!("a structure ({})", structure.name),
-            Some(NamedType::Other { name }) => format!("a parameter that points to its actual ({name})"),
-            None => "without a type".to_string(),
-        }
-    }
-
-    fn no_value(&self, text: &str, variable: Variable) -> String {
-        let mut list = Vec::new();
-        self.list(text, variable, 1, &mut list);
-        let is = self.name(variable.ty);
-        match list.first() {
-            Some((name, _)) => format!("`{text}` is {is}; name one of its values, such as {name}"),
-            None => format!("`{text}` is {is} and has no value that can be shown"),
-        }
-    }
-
-    fn unknown(&self, text: &str, root: &str) -> String {
-        let is_instance = |db: &&DbEntry| match db.ty.and_then(|ty| self.ty(ty)) {
-            Some(NamedType::Struct(structure)) => same(&structure.name, root),
-            _ => false,
-        };
-        let instances: Vec<String> = self.image.dbs.iter().filter(is_instance).map(db_name).collect();
-        if !instances.is_empty() {
-            return format!("`{root}` is a function block; its values are in its instances: {}", instances.join(", "));
-        }
-        let called = self.image.inner_blocks.iter().map(|(kind, _, name)| (*kind, name));
-        let mut blocks = self.image.blocks.iter().map(|block| (block.kind, &block.name)).chain(called);
-        if let Some((kind, _)) = blocks.find(|(_, name)| !name.is_empty() && same(name, root))
-            && let Some(kind) = match kind {
-                BlockKind::Ob => Some("an organization block"),
-                BlockKind::Fc => Some("a function"),
-                BlockKind::Fb => Some("a function block without an instance"),
-                BlockKind::Sfc | BlockKind::Sfb | BlockKind::Db | BlockKind::Sbr | BlockKind::Int => None,
-            }
-        {
-            return format!("`{root}` is {kind}, and its local data end with the call: name a tag or a value of a DB");
-        }
-        // `Q0.0:P`
-        let direct = text.len().checked_sub(2).filter(|at| text.is_char_boundary(*at)).map(|at| text.split_at(at));
-        if let Some((image, direct)) = direct
-            && direct.eq_ignore_ascii_case(":P")
-            && address::parse_for(image, self.image).is_some()
-        {
-            return format!("`{text}` has no `:P` here: write `{image}`, the value in the process image");
-        }
-        let names = self.image.symbols.iter().map(|symbol| symbol.name.as_str());
-        let dbs = self.image.dbs.iter().map(|db| db.name.as_str()).filter(|name| !name.is_empty());
-        let near = match nearest(root, names.chain(dbs)) {
-            Some(near) => format!("; did you mean `{}`?", written(near)),
-            None => match self.member_of_db(root) {
-                Some(name) => format!("; did you mean `{name}`?"),
-                None => {
-                    signal::missing_channel(text, self.image).map_or_else(String::new, |known| format!("; {known}"))
-                }
-            },
-        };
-        let is_bit = text.rsplit_once('.').is_some_and(|(_, bit)| digits(bit).is_some());
-        let is_address = root.starts_with(['I', 'E', 'Q', 'A', 'M', 'i', 'e', 'q', 'a', 'm']);
-        // `M10`
-        if is_address && near.is_empty() && text == root && digits(&root[1..]).is_some() {
-            let (area, byte) = root.split_at(1);
-            let forms =
-                format!("`{area}B{byte}` for a byte, `{area}W{byte}` for a word, `{area}D{byte}` for a double word");
-            return format!("`{text}` is not an address: write `{text}.0` for a bit, {forms}");
-        }
-        if text == root || is_bit {
-            let examples = examples(self.image);
-            format!("`{text}` is neither an address (such as {examples}) nor a symbol of the program{near}")
-        } else {
-            format!("`{text}`: the program has no DB or tag `{root}`{near}")
-        }
-    }
-
-    /// `Motors.speed` for `speed`.
-    fn member_of_db(&self, name: &str) -> Option<String> {
-        self.image.dbs.iter().find_map(|db| match self.ty(db.ty?)? {
-            NamedType::Struct(structure) => {
-                member(structure, name).map(|member| format!("{}.{}", db_name(db), written(&member.name)))
-            }
-            _ => None,
-        })
-    }
 }
 
 pub(crate) fn db_name(db: &DbEntry) -> String {
@@ -475,42 +326,6 @@ pub(crate) fn db_name(db: &DbEntry) -> String {
 fn member<'a>(structure: &'a NamedStruct, name: &str) -> Option<&'a plcc_abi::names::NamedMember> {
     let members = &structure.members;
     members.iter().find(|member| member.name == name).or_else(|| members.iter().find(|member| same(&member.name, name)))
-}
-
-fn no_member(so_far: &str, structure: &NamedStruct, name: &str) -> String {
-    let is = if structure.name.is_empty() { String::new() } else { format!(" ({})", structure.name) };
-    let names = || structure.members.iter().map(|member| member.name.as_str());
-    let help = match nearest(name, names()) {
-        Some(near) => format!("did you mean `{}`?", written(near)),
-        None => {
-            let mut list: Vec<String> = names().take(LISTED_MAX).map(written).collect();
-            if structure.members.len() > LISTED_MAX {
-                list.push("...".to_string());
-            }
-            format!("it has {}", list.join(", "))
-        }
-    };
-    format!("`{so_far}`{is} has no member `{name}`; {help}")
-}
-
-/// The message for `MW20.5`.
-fn bit_of_word(root: &str, bit: &str) -> String {
-    let of_word = format!("`{root}.%X{bit}` for bit {bit} of the value");
-    let plain = root.trim_start_matches('%');
-    let byte = plain.get(2..).filter(|byte| digits(byte).is_some() && digits(bit).is_some_and(|bit| bit < 8));
-    let help = match byte {
-        Some(byte) => format!("write `{}{byte}.{bit}` for bit {bit} of byte {byte}, {of_word}", &plain[..1]),
-        None => format!("write {of_word}"),
-    };
-    format!("`{root}.{bit}` has the number of a bit, but `{root}` names no bit; {help}")
-}
-
-fn what(part: &Part) -> String {
-    match part {
-        Part::Name(name) => format!("member `{name}`"),
-        Part::Index(_) => "elements".to_string(),
-        Part::Slice(..) => "slices here: they come last".to_string(),
-    }
 }
 
 /// `VALUE` of a timer or counter.
