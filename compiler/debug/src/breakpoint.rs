@@ -5,7 +5,7 @@ use std::cell::Cell;
 use plcc_model::BlockKey;
 use serde_json::Value;
 
-use crate::condition::Condition;
+use crate::condition::{Condition, Operand};
 
 /// Where a breakpoint is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -85,7 +85,7 @@ impl When {
     }
 
     /// Whether it stops now. `Err`: the condition has no value; the user must know.
-    pub fn holds(&self, of: &dyn Fn(&str) -> Result<f64, String>) -> Result<bool, String> {
+    pub fn holds(&self, of: &dyn Fn(&str) -> Result<Operand, String>) -> Result<bool, String> {
         if let Some(condition) = &self.condition
             && condition.value(of).map_err(|error| format!("{}: {error}", condition.text))? == 0.0
         {

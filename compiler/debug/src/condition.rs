@@ -15,9 +15,18 @@ pub struct Condition {
     parts: Vec<Part>,
     /// Names of values, by their numbers in the expressions.
     names: Vec<String>,
-    /// Numbers of the names that are operands of AND, OR or NOT themselves, and so must be bits.
-    combined: Vec<usize>,
+    /// Numbers of the names that are operands of AND, OR or NOT themselves, and so must be bits; after NOT with the sign that compares the
+    /// name, if one does.
+    combined: Vec<(usize, Option<String>)>,
     pub text: String,
+}
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug)]
+pub struct Operand {
+    pub number: f64,
+    /// It is a BOOL, which AND, OR and NOT combine.
+    pub is_bit: bool,
 }
 
 struct Part {
@@ -45,19 +54,16 @@ impl Condition {
             last.0.push(' ');
             match token {
                 Token::Name(name) => {
-                    if let Some(sign) = sign_after_not(&tokens, at) {
-                        return Err(format!(
-                            "NOT changes `{name}` alone; write `NOT ({name} {sign} …)` for the comparison"
-                        ));
-                    }
                     let number = names.iter().position(|own| own == name).unwrap_or_else(|| {
                         names.push((*name).to_string());
                         names.len() - 1
                     });
                     last.0.push_str(&format!("n{number}"));
                     last.1.push(number);
-                    if is_combined(&tokens, at) {
-                        combined.push(number);
+                    match sign_after_not(&tokens, at) {
+                        Some(sign) => combined.push((number, Some(sign.to_string()))),
+                        None if is_combined(&tokens, at) => combined.push((number, None)),
+                        None => {}
                     }
                 }
                 Token::Text(text) => {
@@ -92,17 +98,26 @@ impl Condition {
     }
 
     /// Its value with `of` as the values of names. `Err`: the error.
-    pub fn value(&self, of: &dyn Fn(&str) -> Result<f64, String>) -> Result<f64, String> {
+    pub fn value(&self, of: &dyn Fn(&str) -> Result<Operand, String>) -> Result<f64, String> {
         let mut values = vec![0.0; self.names.len()];
         let mut value = 0.0;
         for part in &self.parts {
             for &number in &part.names {
-                values[number] = of(&self.names[number])?;
-                if self.combined.contains(&number) && !is_bit(values[number]) {
-                    let (name, value) = (&self.names[number], number_text(values[number]));
-                    return Err(format!(
-                        "{COMBINES}, but `{name}` is {value}; write `{name} <> 0`, or name a bit of it"
-                    ));
+                let name = &self.names[number];
+                let operand = of(name)?;
+                values[number] = operand.number;
+                if let Some((_, sign)) = self.combined.iter().find(|(combined, _)| *combined == number)
+                    && !operand.is_bit
+                {
+                    return Err(match sign {
+                        Some(sign) => {
+                            format!("NOT changes `{name}` alone; write `NOT ({name} {sign} …)` for the comparison")
+                        }
+                        None => {
+                            let value = number_text(operand.number);
+                            format!("{COMBINES}, but `{name}` is {value}; write `{name} <> 0`, or name a bit of it")
+                        }
+                    });
                 }
             }
             value = part
@@ -136,7 +151,8 @@ fn is_combined(tokens: &[Token<'_>], at: usize) -> bool {
     begins && ends && (joins(&before) || joins(&after) || before == "!")
 }
 
-/// The sign that compares a name after NOT, which binds more: `NOT MW10 = 7` would compare 0 or 1 with 7.
+/// The sign that compares a name after NOT, which binds more: `NOT a = b` compares the opposite of a bit, and `NOT MW10 = 7` would
+/// compare 0 or 1 with 7.
 fn sign_after_not<'t>(tokens: &'t [Token<'_>], at: usize) -> Option<&'t str> {
     let text = |at: usize| match tokens.get(at)? {
         Token::Text(text) => Some(text.as_str()),
@@ -355,11 +371,13 @@ mod tests {
     use super::*;
 
     fn value(text: &str) -> Result<f64, String> {
+        let number = |number| Ok(Operand { number, is_bit: false });
         Condition::parse(text)?.value(&|name| match name {
-            "MW10" => Ok(7.0),
-            "MD20 as REAL" => Ok(2.5),
-            "\"Motor on\"" | "#x.y[1, 2]" => Ok(1.0),
-            "DB1.t" | "#r^.x" | "r^" => Ok(5.0),
+            "MW10" => number(7.0),
+            "MW12" => number(1.0),
+            "MD20 as REAL" => number(2.5),
+            "\"Motor on\"" | "#x.y[1, 2]" => Ok(Operand { number: 1.0, is_bit: true }),
+            "DB1.t" | "#r^.x" | "r^" => number(5.0),
             _ => Err(format!("no {name}")),
         })
     }
@@ -388,6 +406,9 @@ mod tests {
             ("NOT (MW10 = 7 AND \"Motor on\")", 0.0),
             ("NOT (MW10 = 6)", 1.0),
             ("(NOT \"Motor on\") = FALSE", 1.0),
+            ("NOT \"Motor on\" = FALSE AND MW10 = 7", 1.0),
+            ("NOT \"Motor on\" = #x.y[1, 2]", 0.0),
+            ("NOT \"Motor on\" <> #x.y[1, 2] OR NOT \"Motor on\" < TRUE", 1.0),
             ("9007199254740992 = 16#20000000000000", 1.0),
         ] {
             assert_eq!(value(text), Ok(expected), "{text}");
@@ -414,6 +435,8 @@ mod tests {
             ("(MW10 AND 16#4) <> 0", "do not mask words"),
             ("MW10 AND MW10 = 7", "bits and comparisons here, but `MW10` is 7"),
             ("NOT MW10", "write `MW10 <> 0`"),
+            ("MW12 AND MW10 = 7", "but `MW12` is 1"),
+            ("NOT MW12 = 1", "write `NOT (MW12 = …)`"),
             ("NOT MW10 = 7", "write `NOT (MW10 = …)`"),
             ("TRUE AND !MW10 <> 7", "write `NOT (MW10 <> …)`"),
             ("MW10 > 5 & MW10", "`MW10` is 7"),

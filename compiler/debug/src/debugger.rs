@@ -210,7 +210,7 @@ impl Debugger {
         };
         let mut stop: Option<Stop> = None;
         for breakpoint in state.breakpoints.values().flatten().filter(is_here) {
-            let description = match breakpoint.when.holds(&|name| here.number(name)) {
+            let description = match breakpoint.when.holds(&|name| here.operand(name)) {
                 Ok(false) => continue,
                 Ok(true) => String::new(),
                 Err(error) => error,
@@ -244,7 +244,7 @@ impl Debugger {
                 if condition.is_name() {
                     return Err(error);
                 }
-                condition.value(&|name| here.number(name)).map(plcc_runtime::signal::number_text)
+                condition.value(&|name| here.operand(name)).map(plcc_runtime::signal::number_text)
             }
         }
     }
@@ -259,7 +259,7 @@ impl Debugger {
         for one in &mut watched {
             let Some((before, now)) = one.changed(cpu) else { continue };
             let here = self.here_at_top(cpu, &state.stack);
-            if let Ok(false) = one.when.holds(&|name| here.number(name)) {
+            if let Ok(false) = one.when.holds(&|name| here.operand(name)) {
                 continue;
             }
             let by = who.map_or_else(|| self.place_text(state.last_place), str::to_string);

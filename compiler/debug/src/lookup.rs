@@ -11,7 +11,7 @@ use plcc_runtime::names::path::{Part, parts};
 use plcc_runtime::signal::{self, Signal, Source, Value};
 use plcc_runtime::typed::ValueType;
 
-use crate::condition::{Condition, whole};
+use crate::condition::{Condition, Operand, whole};
 use crate::data::{BYTES_MAX, Looked, Range};
 use crate::indices;
 use crate::places::Places;
@@ -133,7 +133,7 @@ impl<'a> Here<'a> {
 
     /// The value of an index, which may be computed. `Err`: the error as a sentence.
     fn index(&self, text: &str) -> Result<i64, String> {
-        let number = Condition::parse(text)?.value(&|name| self.number(name))?;
+        let number = Condition::parse(text)?.value(&|name| self.operand(name))?;
         match number.fract() == 0.0 {
             true => Ok(number as i64),
             false => Err(format!("the index `{text}` is {number}; an index is a whole number")),
@@ -262,18 +262,26 @@ impl<'a> Here<'a> {
     }
 
     /// As a number, for conditions, which compare a REAL with a number as it is written. `Err`: the error as a sentence.
-    pub fn number(&self, text: &str) -> Result<f64, String> {
-        match self.find(text)? {
-            Found::Register(register) => Ok(self.frame.map_or(0.0, |frame| register.number(&frame.probed).into())),
-            Found::Number(number, _) => Ok(number as f64),
+    pub fn operand(&self, text: &str) -> Result<Operand, String> {
+        let mut is_bit = false;
+        let number = match self.find(text)? {
+            Found::Register(register) => {
+                is_bit = register.is_bit();
+                self.frame.map_or(0.0, |frame| register.number(&frame.probed).into())
+            }
+            Found::Number(number, _) => number as f64,
             found => match self.value(&found) {
-                Some(Value::Bits(bits, _)) => whole(text, bits.into()),
-                Some(Value::Whole(number)) => whole(text, number),
+                Some(Value::Bits(bits, width)) => {
+                    is_bit = matches!(width, plcc_runtime::address::Width::Bit(_));
+                    whole(text, bits.into())?
+                }
+                Some(Value::Whole(number)) => whole(text, number)?,
                 value => {
-                    value.and_then(|value| value.written_number()).ok_or_else(|| format!("`{text}` is not a number"))
+                    value.and_then(|value| value.written_number()).ok_or_else(|| format!("`{text}` is not a number"))?
                 }
             },
-        }
+        };
+        Ok(Operand { number, is_bit })
     }
 
     /// Where a value is that lasts from call to call.

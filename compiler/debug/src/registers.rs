@@ -97,6 +97,10 @@ impl Register {
         }
     }
 
+    pub fn is_bit(self) -> bool {
+        matches!(self.form, Form::Bit(_))
+    }
+
     /// As a number.
     pub fn number(self, probed: &Probed) -> u32 {
         let whole = probed[self.slot];
