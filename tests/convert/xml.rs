@@ -488,6 +488,24 @@ fn comments_of_networks_of_stl_are_written_once() {
     assert_eq!(comments_of(&document), wanted, "{document}");
 }
 
+/// In SIMATIC SD the rungs that feed pins of a box come after it.
+#[test]
+fn gates_whose_inputs_come_after_them_stay() {
+    let source = r#"
+{ S7_PreferredLanguage := "FBD" }
+ORGANIZATION_BLOCK Main
+{ S7_Language := "FBD" }
+NETWORK
+    RUNG %I0.0 A( in2 := NOT %I0.1, in3 := wire#w1 ) O( in2 := wire#w2, in3 := NOT %I0.2 ) Coil( %Q0.0 ) END_RUNG
+    RUNG %I0.3 O( in2 := %I0.4 ) NOT END_RUNG wire#w1
+    RUNG %I0.5 X( in2 := %I0.6 ) END_RUNG wire#w2
+END_NETWORK
+//@ assert %Q0.0 == 1
+END_ORGANIZATION_BLOCK
+"#;
+    stays_the_same("gates.s7dcl", source);
+}
+
 /// One in four sources; all of them with `PLCC_ALL_SOURCES=1`.
 #[test]
 fn sources_as_xml_mean_the_same() {

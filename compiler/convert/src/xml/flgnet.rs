@@ -3,6 +3,7 @@
 use plcc_syntax::ast::{CodeBlock, CodeKind, OperandKind, SectionKind, TypeKind, Variable};
 use plcc_syntax::network::ast::{Comparison, Element, Eno, Graph, Network, Storage, Target, TemplateKey};
 use plcc_syntax::network::elements::{self, Kind};
+use plcc_syntax::network::order::order;
 use plcc_syntax::scl::ast::{Expr, ExprKind, NameForm};
 
 use super::access::{self, Whose};
@@ -33,8 +34,9 @@ pub fn network(
         maker.parts.push(node);
     }
     maker.wire(network, writer)?;
-    let elements: Vec<usize> = (0..graph.elements.len()).collect();
-    if maker.drawing.order(network.language) != elements {
+    // Either the reader finds the elements as they are listed here, or in the order in which they are evaluated.
+    let read = maker.drawing.order(network.language);
+    if !read.iter().copied().eq(0..graph.elements.len()) && read != order(graph) {
         writer.refuse(
             network.span,
             "the editor would evaluate the elements of this network in another order",
