@@ -225,6 +225,8 @@ impl Globals<'_> {
         let system = matches!(key.kind, BlockKind::Sfc | BlockKind::Sfb);
         match library {
             Some(name) if system && key.number >= plcc_stdlib::TIA_NUMBERS => format!("`{name}`"),
+            // Its number is that of a block of the program, so it has another, which nobody wrote.
+            Some(name) if self.library.moved.contains_key(&key) => format!("`{name}`"),
             Some(name) => format!("`{name}` ({key})"),
             None if own.is_empty() => key.to_string(),
             None => format!("`{own}`"),
@@ -233,7 +235,8 @@ impl Globals<'_> {
 
     /// The help, plus a note that a block came from the library if the program may mean its own.
     pub fn with_library_note(&self, key: BlockKey, help: String) -> String {
-        match self.library_block(key).filter(|_| matches!(key.kind, BlockKind::Fc | BlockKind::Fb)) {
+        let by_number = matches!(key.kind, BlockKind::Fc | BlockKind::Fb) && !self.library.moved.contains_key(&key);
+        match self.library_block(key).filter(|_| by_number) {
             Some(block) => {
                 format!("{help}; no source defines {key}, so it is `{}` of the standard library", block.name)
             }
