@@ -39,6 +39,7 @@ const SOURCES: &[(Language, &str)] = &[
     (Language::Stl, include_str!("../stl/tia_numbers.stl")),
     (Language::Scl, include_str!("../scl/texts.scl")),
     (Language::Scl, include_str!("../scl/wide_texts.scl")),
+    (Language::Scl, include_str!("../scl/long_texts.scl")),
     (Language::Scl, include_str!("../scl/names.scl")),
     (Language::Scl, include_str!("../scl/overloads.scl")),
     (Language::Scl, include_str!("../scl/scaling.scl")),

@@ -73,7 +73,8 @@ impl Maker<'_> {
         }
         let found = match callee.kind {
             BlockKind::Sfc => {
-                let own = callee.name.strip_suffix("_WSTRING").unwrap_or(&callee.name);
+                let narrow = callee.name.strip_suffix("_WSTRING");
+                let own = narrow.map_or(callee.name.as_str(), |name| name.strip_suffix("_LONG").unwrap_or(name));
                 let same = FUNCTIONS.into_iter().find(|name| *name == own);
                 match same.or_else(|| super::moment::instruction_of(own)) {
                     Some(name) => TextInstruction::plain(name),

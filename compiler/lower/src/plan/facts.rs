@@ -181,7 +181,7 @@ impl Visitor for SclScan<'_, '_> {
                 matches!(access.base, scl::Base::Place(Place::Parameter { .. } | Place::ThroughPointer { .. }));
         }
         if let Some(&callee) = self.index.get(&call.target) {
-            self.statement += scl_temporary_bytes(&self.program.blocks[callee]);
+            self.statement += scl_temporary_bytes(&self.program.blocks[callee], call);
         }
     }
 

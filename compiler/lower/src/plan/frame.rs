@@ -1,5 +1,7 @@
 //! Bytes that a block needs in the frame: its local data, and temporaries of calls.
 
+use plcc_model::scl;
+use plcc_model::types::DataType;
 use plcc_model::{
     Actual, Argument, Body, Call, CodeBlock, Number, Operand, Parameter, Passing, Place, StlStatementKind,
 };
@@ -15,19 +17,25 @@ pub const INDEX_COPY_BYTES: u32 = 4;
 
 /// Upper bound of what a call from SCL puts into the frame of the calling block, in bytes: the result, references with their values,
 /// or a structure of parameters.
-pub(super) fn scl_temporary_bytes(callee: &CodeBlock) -> u32 {
+pub(super) fn scl_temporary_bytes(callee: &CodeBlock, call: &scl::Call) -> u32 {
     let result =
         crate::scl::result(callee).map_or(0, |(_, parameter)| crate::scl::result_bytes(&parameter.ty) + ALIGNMENT);
+    // A function refers to what it is given. Constant texts for functions of texts may be there twice.
+    let is_only_referred_to = |index: usize, parameter: &Parameter| {
+        let is_given = |one: &scl::Argument| one.parameter == index && !matches!(one.actual, scl::Actual::Dropped);
+        call.instance.is_none() && !matches!(parameter.ty, DataType::String(_)) && call.arguments.iter().any(is_given)
+    };
     // Also values that pointers point at.
-    let of_parameter = |parameter: &Parameter| match parameter.passing {
+    let of_parameter = |(index, parameter): (usize, &Parameter)| match parameter.passing {
         Passing::Elementary(_) => 8 + ALIGNMENT,
+        Passing::Complex { .. } if is_only_referred_to(index, parameter) => 6 + 2 * ALIGNMENT,
         Passing::Complex { .. } => 6 + crate::scl::result_bytes(&parameter.ty) + 2 * ALIGNMENT,
         Passing::OpenArray { .. } => 6 + ALIGNMENT,
         Passing::Number => 0,
         Passing::Pointer | Passing::Any | Passing::Variant => parameter.passing.pointer_bytes() + 8 + 2 * ALIGNMENT,
     };
     let structure = if matches!(callee.body, Body::Runtime) { callee.interface.bytes.max(2) + ALIGNMENT } else { 0 };
-    result + structure + callee.interface.parameters.iter().map(of_parameter).sum::<u32>()
+    result + structure + callee.interface.parameters.iter().enumerate().map(of_parameter).sum::<u32>()
 }
 
 /// Maximum that a call puts into the frame of the calling block, in bytes: pointers, constants and copies for an FC, the structure

@@ -34,10 +34,12 @@ impl SclBinder<'_, '_> {
             return;
         }
         let special = self.reference_for_target(ctx, targets, value, span);
+        ctx.scope.long_texts = self.goes_to_long_text(ctx, targets, value);
         let mut value = match special.or_else(|| self.value_for_target(ctx, targets, value)) {
             Some(value) => value,
             None => self.value(ctx, value),
         };
+        ctx.scope.long_texts = false;
         for (at, (target, op)) in targets.iter().enumerate().rev() {
             let read = at > 0;
             value = self.assign_one(ctx, target, *op, value, span, read, bound);

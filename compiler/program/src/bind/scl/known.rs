@@ -195,7 +195,7 @@ impl SclBinder<'_, '_> {
                 continue;
             }
             let Some(block) = self.program.globals.library_block(key) else { return };
-            let name = block.name.trim_end_matches("_WSTRING");
+            let name = block.name.trim_end_matches("_WSTRING").trim_end_matches("_LONG");
             if !["LEFT", "RIGHT", "MID", "DELETE", "INSERT", "REPLACE"].contains(&name) {
                 return;
             }

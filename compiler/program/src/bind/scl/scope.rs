@@ -56,6 +56,8 @@ pub struct Scope {
     pub loop_variables: Vec<(Spot, Span)>,
     /// Nesting of the current expression.
     pub depth: u32,
+    /// The current expression goes to a WSTRING with more than 254 characters.
+    pub long_texts: bool,
     pub temp_reads: Vec<TempUse>,
     pub temp_writes: Vec<(u32, u32)>,
     /// The function's own value is assigned somewhere.

@@ -2,7 +2,8 @@
 //! standard library. Source: SCL reference, strings, conversions.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::scl::ast::{Argument as Given, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
+use plcc_stdlib::SystemBlock;
+use plcc_syntax::scl::ast::{Argument as Given, AssignOp, Expr as Node, ExprKind as NodeKind, Literal, Name, NameForm};
 use plcc_syntax::{Class, Elementary};
 
 use super::call::is_result;
@@ -179,6 +180,32 @@ pub fn is_wide_text(value: &Value) -> bool {
     }
 }
 
+/// Most characters of a result of wide characters, but for instructions of [`for_long_texts`].
+const USUAL_MAX: u16 = 254;
+
+/// The end of the names of instructions for wide characters.
+const WIDE: &str = "_WSTRING";
+
+/// True of a text of wide characters that may have more of them than most results.
+pub fn is_long_text(value: &Value) -> bool {
+    match value {
+        Value::Complex { ty, .. } => is_long_type(ty),
+        Value::Constant(Constant::WideText(text), _) => text.len() > usize::from(USUAL_MAX),
+        _ => false,
+    }
+}
+
+fn is_long_type(ty: &DataType) -> bool {
+    matches!(ty, DataType::WideString(most) if *most > USUAL_MAX)
+}
+
+/// The instruction for long texts of wide characters, where `name` is the usual one: `LEFT` or `LEFT_WSTRING`.
+pub fn for_long_texts(name: &str) -> Option<&'static SystemBlock> {
+    let parts = name.len().checked_sub(WIDE.len()).and_then(|at| name.split_at_checked(at));
+    let base = parts.filter(|(_, end)| end.eq_ignore_ascii_case(WIDE)).map_or(name, |(base, _)| base);
+    plcc_stdlib::find_tia(&format!("{base}_LONG{WIDE}"))
+}
+
 /// The key that selects among the blocks of an instruction.
 enum Overload<'n> {
     Clock,
@@ -338,8 +365,18 @@ impl SclBinder<'_, '_> {
                 return Some(self.program.globals.library.key_of(block));
             }
             Overload::Text(node) => {
-                plcc_stdlib::find_tia(&format!("{own}_WSTRING"))?;
-                if !self.is_wide(ctx, node?) {
+                let is_named_so = own.to_ascii_uppercase().ends_with(WIDE);
+                let is_wide = is_named_so
+                    || plcc_stdlib::find_tia(&format!("{own}{WIDE}")).is_some() && self.is_wide(ctx, node?);
+                if !is_wide {
+                    return None;
+                }
+                if let Some(block) = for_long_texts(own)
+                    && (ctx.scope.long_texts || given.iter().any(|one| self.is_long(ctx, one.value.as_ref())))
+                {
+                    return Some(self.program.globals.library.key_of(block));
+                }
+                if is_named_so {
                     return None;
                 }
                 "WSTRING"
@@ -416,13 +453,53 @@ impl SclBinder<'_, '_> {
         }
     }
 
+    /// True of an expression whose value [`is_long_text`]; reports no mistakes in it.
+    fn is_long(&mut self, ctx: &mut SclBlock, node: Option<&Node>) -> bool {
+        let Some(node) = node else { return false };
+        match &node.kind {
+            // As in `is_wide`. A function of texts gives no longer texts than it is given.
+            NodeKind::Call { callee, arguments } => match &callee.kind {
+                NodeKind::Name(name) if for_long_texts(name.text.trim()).is_some() => {
+                    arguments.iter().any(|one| self.is_long(ctx, one.value.as_ref()))
+                }
+                _ => self.gives(ctx, callee, is_long_type),
+            },
+            NodeKind::Name(_) | NodeKind::Member { .. } | NodeKind::Index { .. } | NodeKind::Literal(_) => {
+                self.quiet_value(ctx, node).as_ref().is_some_and(is_long_text)
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether the value of an assignment is a call of an instruction for texts, and goes to a text with room for more characters than
+    /// most results have; reports no mistakes.
+    pub(super) fn goes_to_long_text(
+        &mut self,
+        ctx: &mut SclBlock,
+        targets: &[(Node, AssignOp)],
+        value: &Node,
+    ) -> bool {
+        let NodeKind::Call { callee, .. } = &value.kind else { return false };
+        let NodeKind::Name(name) = &callee.kind else { return false };
+        for_long_texts(name.text.trim()).is_some()
+            && targets.iter().any(|(target, _)| {
+                let access = self.quietly(ctx, |binder, ctx| binder.access(ctx, target, Intent::Write));
+                access.is_some_and(|access| is_long_type(&access.ty))
+            })
+    }
+
     /// True of a function whose result is a WSTRING; reports no mistakes.
     fn gives_wide_text(&mut self, ctx: &mut SclBlock, callee: &Node) -> bool {
+        self.gives(ctx, callee, |ty| matches!(ty, DataType::WideString(_)))
+    }
+
+    /// True of a function whose result is of such a type; reports no mistakes.
+    fn gives(&mut self, ctx: &mut SclBlock, callee: &Node, is_such: impl Fn(&DataType) -> bool) -> bool {
         self.quietly(ctx, |binder, ctx| match binder.callee(ctx, callee) {
             Some(Callee::Block { key, instance: None }) => {
                 binder.program.interface(key, callee.span).is_some_and(|bound| {
                     let mut parameters = bound.interface.parameters.iter();
-                    parameters.any(|one| is_result(key, one) && matches!(one.ty, DataType::WideString(_)))
+                    parameters.any(|one| is_result(key, one) && is_such(&one.ty))
                 })
             }
             _ => false,
@@ -450,7 +527,11 @@ impl SclBinder<'_, '_> {
             Value::Elementary(expr) => expr.ty == Elementary::Wchar,
             other => is_wide_text(other),
         });
-        let block = if is_wide { "CONCAT_WSTRING" } else { "CONCAT" };
+        let block = match is_wide {
+            true if ctx.scope.long_texts || values.iter().any(is_long_text) => "CONCAT_LONG_WSTRING",
+            true => "CONCAT_WSTRING",
+            false => "CONCAT",
+        };
         let Some(key) = self.library_function(ctx.scope.rules, block) else {
             self.program.globals.report.missing_function(block, name, None, true);
             return None;

@@ -391,7 +391,8 @@ impl SclBinder<'_, '_> {
         inputs: Vec<Value>,
         span: Span,
     ) -> Option<Value> {
-        let key = self.program.globals.library.key_of(plcc_stdlib::find_tia(name)?);
+        let long = super::text::for_long_texts(name).filter(|_| inputs.iter().any(super::text::is_long_text));
+        let key = self.program.globals.library.key_of(long.or_else(|| plcc_stdlib::find_tia(name))?);
         self.library_call(ctx, key, inputs, span, span)
     }
 
