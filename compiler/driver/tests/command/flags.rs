@@ -91,6 +91,23 @@ fn a_repeated_run_is_not_recorded() {
     }
 }
 
+/// `MW20.5` may mean a bit of a byte; a symbol of a word, even one of letters like those of an address, means only its value.
+#[test]
+fn bits_of_symbols_are_slices() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("program.stl"), "      L     MW 20\n").expect("the folder can be written");
+    let names = "\"ä5\",\"MW 20\",\"WORD\",\"\"\r\n\"Ab5\",\"MW 22\",\"WORD\",\"\"\r\n";
+    std::fs::write(folder.join("names.sdf"), names).expect("the folder can be written");
+    for name in ["ä5", "Ab5"] {
+        let bit = format!("{name}.3");
+        let output = command(PLCC, folder, &["run", "program.stl", "names.sdf", "--cycles", "1", "--print", &bit]);
+        let says = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{says}");
+        assert!(says.contains(&format!("`{name}` names no bit; write `{name}.%X3` for bit 3 of the value")), "{says}");
+    }
+}
+
 #[test]
 fn wrong_flags_are_usage_errors() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -100,6 +100,19 @@ impl Finder<'_> {
         }
     }
 
+    /// The message for `MW20.5`. A symbol names no byte, whatever letters it is made of.
+    pub(super) fn bit_of_word(&self, root: &str, bit: &str) -> String {
+        let of_word = format!("`{root}.%X{bit}` for bit {bit} of the value");
+        let is_symbol = self.image.symbols.iter().any(|symbol| same(&symbol.name, root));
+        let plain = root.trim_start_matches('%');
+        let byte = plain.get(2..).filter(|byte| digits(byte).is_some() && digits(bit).is_some_and(|bit| bit < 8));
+        let help = match plain.get(..1).zip(byte).filter(|_| !is_symbol) {
+            Some((area, byte)) => format!("write `{area}{byte}.{bit}` for bit {bit} of byte {byte}, {of_word}"),
+            None => format!("write {of_word}"),
+        };
+        format!("`{root}.{bit}` has the number of a bit, but `{root}` names no bit; {help}")
+    }
+
     /// `Motors.speed` for `speed`.
     fn member_of_db(&self, name: &str) -> Option<String> {
         self.image.dbs.iter().find_map(|db| match self.ty(db.ty?)? {
@@ -126,18 +139,6 @@ pub(super) fn no_member(so_far: &str, structure: &NamedStruct, name: &str) -> St
         }
     };
     format!("`{so_far}`{is} has no member `{name}`; {help}")
-}
-
-/// The message for `MW20.5`.
-pub(super) fn bit_of_word(root: &str, bit: &str) -> String {
-    let of_word = format!("`{root}.%X{bit}` for bit {bit} of the value");
-    let plain = root.trim_start_matches('%');
-    let byte = plain.get(2..).filter(|byte| digits(byte).is_some() && digits(bit).is_some_and(|bit| bit < 8));
-    let help = match byte {
-        Some(byte) => format!("write `{}{byte}.{bit}` for bit {bit} of byte {byte}, {of_word}", &plain[..1]),
-        None => format!("write {of_word}"),
-    };
-    format!("`{root}.{bit}` has the number of a bit, but `{root}` names no bit; {help}")
 }
 
 /// What a part of a name asks for.

@@ -17,7 +17,7 @@ use crate::address::{self, Address, Place, Width, digits};
 use crate::s7200::Part as S7200Part;
 use crate::signal;
 use crate::typed::ValueType;
-use messages::{bit_of_word, no_member, what};
+use messages::{no_member, what};
 use path::{Part, written};
 
 pub use instances::{InstanceName, instance};
@@ -159,7 +159,7 @@ impl<'a> Finder<'a> {
             (Root::Address(Address { width, .. }, _), [Part::Name(bit)])
                 if !matches!(width, Width::Bit(_)) && digits(bit).is_some() =>
             {
-                return Err(bit_of_word(root, bit));
+                return Err(self.bit_of_word(root, bit));
             }
             (Root::Address(address, _), [part, ..]) => {
                 let current = current_value(address);
