@@ -142,6 +142,19 @@ pub enum BlockClass {
     Sfb,
 }
 
+impl BlockClass {
+    /// The kind with these letters, `"SFC"`; `None`: the library has no such blocks.
+    pub fn of_letters(letters: &str) -> Option<BlockClass> {
+        match letters {
+            "FC" => Some(BlockClass::Fc),
+            "FB" => Some(BlockClass::Fb),
+            "SFC" => Some(BlockClass::Sfc),
+            "SFB" => Some(BlockClass::Sfb),
+            _ => None,
+        }
+    }
+}
+
 /// A block of the standard library.
 #[derive(Clone, Copy, Debug)]
 pub struct SystemBlock {
@@ -265,6 +278,18 @@ pub fn find_name(name: &str) -> Option<&'static SystemBlock> {
         .max_by_key(|block| block.class)
 }
 
+/// The block of the CPU or of a library of STEP 7 V5 that a program calls by a number with these letters: TON of `SFB 4`.
+///
+/// `symbol`: the name of that number in the program. `None`: there is no such block, or the symbol says that the number is that of another
+/// one. Blocks of the CPU cannot be replaced.
+pub fn find_numbered(letters: &str, number: u32, symbol: Option<&str>) -> Option<&'static SystemBlock> {
+    let class = BlockClass::of_letters(letters)?;
+    let block = find(class, u16::try_from(number).ok()?)?;
+    let is_of_cpu = matches!(class, BlockClass::Sfc | BlockClass::Sfb);
+    let is_same = |name: &str| standard_name(name).eq_ignore_ascii_case(block.name);
+    (!block.is_tia() && (is_of_cpu || symbol.is_none_or(is_same))).then_some(block)
+}
+
 /// An instruction of the TIA Portal by name, also an older one, in any letter case.
 pub fn find_tia(name: &str) -> Option<&'static SystemBlock> {
     let older = OLDER_NAMES.iter().find(|(older, _)| older.eq_ignore_ascii_case(name.trim()));
@@ -327,13 +352,7 @@ fn inner_comment(source: &'static str) -> &'static str {
 /// Reads kind, number, name and form of the block `source`.
 fn described(language: Language, source: &'static str) -> Option<SystemBlock> {
     let mut words = source.split_whitespace().skip(1);
-    let class = match words.next()? {
-        "FC" => BlockClass::Fc,
-        "FB" => BlockClass::Fb,
-        "SFC" => BlockClass::Sfc,
-        "SFB" => BlockClass::Sfb,
-        _ => return None,
-    };
+    let class = BlockClass::of_letters(words.next()?)?;
     let number = words.next()?.parse().ok()?;
     let name = source.lines().find_map(|line| line.strip_prefix("NAME : "))?.trim();
     let form = match source.lines().find_map(|line| line.strip_prefix("{ plcc := '"))?.split('\'').next()? {
@@ -364,6 +383,13 @@ mod tests {
         assert!(find(BlockClass::Sfc, 9999).is_none());
         assert!(find_tia("JOB_STATE").is_some_and(|block| block.is_part()));
         assert!(find_tia("FileDelete").is_some_and(|block| !block.is_part()));
+        let numbered = |letters, number, symbol| find_numbered(letters, number, symbol).map(|block| block.name);
+        assert_eq!(numbered("FC", 105, None), Some("SCALE"));
+        assert_eq!(numbered("FC", 6, Some("DT to DATE")), Some("DT_DATE"));
+        assert_eq!(numbered("FC", 105, Some("Own")), None);
+        assert_eq!(numbered("SFB", 4, Some("Own")), Some("TON"));
+        assert_eq!(numbered("SFC", TIA_NUMBERS.into(), None), None);
+        assert_eq!(numbered("DB", 4, None), None);
         assert_eq!(find_named(BlockClass::Fb, 14).map(|block| block.name), Some("GET"));
         assert_eq!(find_named(BlockClass::Fc, 5).map(|block| block.name), Some("AG_SEND"));
     }

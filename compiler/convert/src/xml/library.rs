@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use plcc_stdlib::BlockClass;
 use plcc_syntax::ast::{
     Block, BlockName, BlockPrefix, CodeKind, DataBlock, DataContent, PathPart, Section, SourceUnit, TypeKind, TypeRef,
     Variable,
@@ -227,21 +226,9 @@ impl Library {
     /// The name of a numbered block of the CPU or of a library, `TON` of SFB 4; `None`: the program may have another one.
     pub(super) fn standard_name(&self, name: &BlockName) -> Option<&'static str> {
         let BlockName::Numbered { prefix, number, .. } = name else { return None };
-        let class = match prefix {
-            BlockPrefix::Fc => BlockClass::Fc,
-            BlockPrefix::Fb => BlockClass::Fb,
-            BlockPrefix::Sfc => BlockClass::Sfc,
-            BlockPrefix::Sfb => BlockClass::Sfb,
-            BlockPrefix::Ob | BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => return None,
-        };
-        let block = plcc_stdlib::find(class, u16::try_from(*number).ok()?)?;
-        if block.is_tia() || self.members.contains_key(&self.folded(name)) {
-            return None;
-        }
-        // Blocks of the CPU cannot be replaced.
-        let is_of_cpu = matches!(class, BlockClass::Sfc | BlockClass::Sfb);
-        let is_same = |own: &String| plcc_stdlib::standard_name(own).eq_ignore_ascii_case(block.name);
-        (is_of_cpu || self.names.get(&(*prefix, *number)).is_none_or(is_same)).then_some(block.name)
+        let symbol = self.names.get(&(*prefix, *number)).map(String::as_str);
+        let block = plcc_stdlib::find_numbered(prefix.letters(), *number, symbol)?;
+        (!self.members.contains_key(&self.folded(name))).then_some(block.name)
     }
 }
 

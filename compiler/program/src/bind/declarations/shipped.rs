@@ -4,7 +4,7 @@ use plcc_abi::image::{Config, Family};
 use plcc_binding::BindInput;
 use plcc_diag::{SourceFile, SourceMap, Span};
 use plcc_model::{Interface, profile};
-use plcc_stdlib::{BlockClass, Form, SystemBlock};
+use plcc_stdlib::{Form, SystemBlock};
 use plcc_syntax::ast::{BlockPrefix, CodeBlock};
 
 use super::Declarations;
@@ -25,19 +25,8 @@ pub fn library_interface(block: &SystemBlock) -> Option<Interface> {
 ///
 /// `None`: there is no such block, or the symbol says that the number is that of another one.
 pub fn library_code(prefix: BlockPrefix, number: u32, symbol: Option<&str>) -> Option<CodeBlock> {
-    let class = match prefix {
-        BlockPrefix::Fc => BlockClass::Fc,
-        BlockPrefix::Fb => BlockClass::Fb,
-        BlockPrefix::Sfc => BlockClass::Sfc,
-        BlockPrefix::Sfb => BlockClass::Sfb,
-        BlockPrefix::Ob | BlockPrefix::Db | BlockPrefix::Di | BlockPrefix::Udt | BlockPrefix::Vat => return None,
-    };
-    let block = plcc_stdlib::find(class, u16::try_from(number).ok()?)?;
-    // Blocks of the CPU cannot be replaced.
-    let is_of_cpu = matches!(class, BlockClass::Sfc | BlockClass::Sfb);
-    let is_same = |name: &str| plcc_stdlib::standard_name(name).eq_ignore_ascii_case(block.name);
-    let is_meant = !block.is_tia() && block.form != Form::NotShipped && (is_of_cpu || symbol.is_none_or(is_same));
-    is_meant.then(|| library::parsed(block.language, block.source))
+    let block = plcc_stdlib::find_numbered(prefix.letters(), number, symbol)?;
+    (block.form != Form::NotShipped).then(|| library::parsed(block.language, block.source))
 }
 
 /// A program without blocks.
