@@ -1,8 +1,10 @@
 //! `plc.toml`: the parts of a project and the settings of its CPU. docs/plc-toml.md describes every key.
 //!
-//! `keys` is the file as it is read; `blocks` checks the settings of organization blocks, `modules` addresses.
+//! `keys` is the file as it is read; `cpu` checks the settings of the CPU and of its services, `blocks` those of organization blocks,
+//! `modules` addresses.
 
 mod blocks;
+mod cpu;
 mod keys;
 mod modules;
 
@@ -16,16 +18,12 @@ use plcc_runtime::options::parse_duration;
 use plcc_syntax::stl::Mnemonics;
 use toml::Spanned;
 
-use crate::axes;
-use crate::connections;
 use crate::cpu_settings::CpuSetting;
-use crate::retain;
-use crate::s7200;
 use crate::services;
 use crate::station::{self, Station};
 use crate::technology;
 pub use blocks::{NamedOb, set_named};
-use keys::{ExceededKey, Keys, MnemonicsKey, StartupKey};
+use keys::{Keys, MnemonicsKey};
 
 /// Name of the file that makes a folder a project.
 pub const FILE_NAME: &str = "plc.toml";
@@ -146,96 +144,20 @@ impl Context {
     }
 
     fn project(&mut self, keys: Keys) -> Project {
-        let cycle_time_ms = keys.cycle_time.as_ref().and_then(|time| self.duration(time, 1..=6000));
-        let mut config = Config { cycle_time_ms, ..Config::default() };
-        if let Some(time) = &keys.cycle_time_max {
-            config.cycle_time_max_ms = self.duration(time, 1..=6000).unwrap_or(config.cycle_time_max_ms);
-            if let (Some(key), Some(cycle)) = (&keys.cycle_time, cycle_time_ms)
-                && cycle > config.cycle_time_max_ms
-            {
-                let (own, most) = (key.get_ref(), time.get_ref());
-                let help =
-                    format!("write a longer `cycle_time_max` than `{own}`, or a shorter `cycle_time` than `{most}`");
-                self.report(key.span(), "a cycle takes longer than its monitoring allows", &help);
-            }
-        }
-        for key in [&keys.clock_memory, &keys.system_memory_byte].into_iter().flatten() {
-            if let Ok(byte) = u16::try_from(*key.get_ref()) {
-                self.note_of_cpu(CpuSetting::MemoryByte(byte), key.span());
-            }
-        }
-        config.clock_memory_byte = keys.clock_memory.and_then(|byte| self.number(&byte, 0..=65535, "a memory byte"));
-        config.system_memory_byte =
-            keys.system_memory_byte.as_ref().and_then(|byte| self.number(byte, 0..=65535, "a memory byte"));
-        if let Some(byte) = &keys.system_memory_byte
-            && config.system_memory_byte.is_some()
-            && config.system_memory_byte == config.clock_memory_byte
-        {
-            self.report(byte.span(), "clock memory and system memory are one byte", "give each a byte of its own");
-        }
-        if let Some(data) = keys.data {
-            if data.get_ref().is_empty() || data.get_ref().contains('\0') {
-                self.report(data.span(), "this is not the name of a folder", "write `\"plc-data\"`");
-            } else {
-                config.data_folder = Some(data.into_inner());
-            }
-        }
-        if let Some(key) = &keys.cycle_time_exceeded {
-            config.overrun_stops = Some(matches!(key.get_ref(), ExceededKey::Stop));
-            self.note_of_cpu(CpuSetting::Exceeded, key.span());
-        }
-        config.startup = match keys.startup.as_ref().map(Spanned::get_ref) {
-            None | Some(StartupKey::Warm) => 100,
-            Some(StartupKey::Hot) => 101,
-            Some(StartupKey::Cold) => 102,
-        };
-        if let (Some(key), 102) = (&keys.startup, config.startup) {
-            self.note_of_cpu(CpuSetting::Cold, key.span());
-        }
-        let hot = keys.startup.filter(|_| config.startup == 101).map(|key| Span::new(self.file, key.span()));
+        let mut config = Config::default();
+        self.cycle_times(&keys, &mut config);
+        self.memory_bytes(&keys, &mut config);
+        self.data_folder(&keys, &mut config);
+        self.startup(&keys, &mut config);
+        let hot = keys.startup.as_ref().filter(|_| config.startup == 101);
+        let hot = hot.map(|key| Span::new(self.file, key.span()));
         let mut named_obs = Vec::new();
         for (number, ob) in &keys.ob {
             named_obs.extend(self.organization_block(number, ob, &mut config));
         }
-        let (technology, messages) =
-            technology::read(&keys.hsc, &keys.pulse, &keys.hardware_interrupt, self.file, &mut config);
-        self.diagnostics.extend(messages);
-        for (ob, range) in technology::started(&keys.hardware_interrupt) {
-            self.note_of_cpu(CpuSetting::EventOb(ob), range);
-        }
-        let (axes, messages) = axes::source(&keys.axis, self.file);
-        self.diagnostics.extend(messages);
-        let heading = |name: &Spanned<String>| (name.get_ref().clone(), Span::new(self.file, name.span()));
-        let axis_names: Vec<(String, Span)> = keys.axis.keys().map(heading).collect();
-        if let Some((_, first)) = axis_names.iter().min_by_key(|(_, heading)| heading.start) {
-            self.note_of_cpu(CpuSetting::Axes, first.range());
-        }
-        if let Some(keys) = &keys.retain {
-            for (retained, count, range) in keys.counts() {
-                self.note_of_cpu(CpuSetting::Retentive(retained, count), range);
-            }
-            let (retain, messages) = retain::read(keys, self.file);
-            config.retain = retain;
-            self.diagnostics.extend(messages);
-        }
-        if let Some(keys) = &keys.services {
-            let (services, messages) = services::read(keys, self.file);
-            config.services = services;
-            if let Some(range) = services::complete_protection(keys) {
-                self.note_of_cpu(CpuSetting::Complete, range);
-            }
-            self.diagnostics.extend(messages);
-        }
-        let (connections, messages) = connections::read(&keys.connection, self.file);
-        self.diagnostics.extend(messages);
-        // Services carry their jobs.
-        config.services.linked |= !connections.is_empty();
-        config.connections = connections;
-        if let Some(keys) = &keys.s7200 {
-            let (settings, messages) = s7200::read(keys.get_ref(), self.file);
-            config.s7200 = settings;
-            self.diagnostics.extend(messages);
-        }
+        let technology = self.technology(&keys, &mut config);
+        let (axes, axis_names) = self.axes(&keys);
+        self.services(&keys, &mut config);
         let file = self.file;
         let place = |text: Spanned<String>| (text.get_ref().clone(), Span::new(file, text.span()));
         let cpu = keys.cpu.map(place);
