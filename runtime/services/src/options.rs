@@ -1,35 +1,29 @@
-//! The flags of the services, the same for an executable and for `plcc run`, and what they open.
+//! The flags of the services, the same for an executable and for `plcc run`. `opening` opens what they ask for.
+
+mod opening;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
-use std::path::Path;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use plcc_abi::ProgramImage;
-use plcc_abi::connections::S7Connection;
-use plcc_abi::services::{Protection, Right};
+use plcc_abi::services::{Protection, Right, ServicesConfig};
 use plcc_runtime::change::Loader;
 use plcc_runtime::online::Service;
 use plcc_runtime::options::split_list;
 use plcc_runtime::partners::Board;
 use plcc_runtime::s7200::socket_address;
 use plcc_runtime::signal;
-use tokio::runtime::Builder;
-use tokio_rustls::TlsAcceptor;
 
-use crate::link::{Link, link};
-use crate::listen::{self, Door, Visitor};
-use crate::metrics::{self, CycleTimes, Pages};
-use crate::modbus::{self, Map};
-use crate::mqtt::sparkplug::{self, Node, NodeName};
-use crate::mqtt::values::{self, Publisher};
+use crate::link::link;
+use crate::metrics::CycleTimes;
+use crate::modbus;
+use crate::mqtt::sparkplug::NodeName;
 use crate::mqtt::{Broker, Target};
-use crate::opcua;
-use crate::password::Guard;
 use crate::rights::Clients;
-use crate::s7;
-use crate::tls::{self, BrokerFiles};
-use crate::web::{self, Page, Tables, Users};
+use crate::tls::BrokerFiles;
+use crate::web::Tables;
+use opening::Opening;
 
 /// Flags of the services. They have precedence over plc.toml.
 #[derive(Args, Clone, Debug, Default)]
@@ -177,11 +171,8 @@ impl ServiceOptions {
         flags.into_iter().find_map(|(is_given, flag)| is_given.then_some(flag))
     }
 
-    /// Opens what the flags and, unless `flags_only`, plc.toml ask for. `Err`: why not.
-    ///
-    /// `loader` changes the program, if clients may do that.
-    pub fn open(&self, image: &ProgramImage, flags_only: bool, loader: Option<Loader>) -> Result<Opened, String> {
-        let config = &image.config.services;
+    /// What the flags and, unless `flags_only`, plc.toml ask for. `Err`: what is wrong with it.
+    fn wanted(&self, config: &ServicesConfig, flags_only: bool) -> Result<Wanted, String> {
         let port = |flag: Option<SocketAddr>, key: &Option<String>| match (flag, key) {
             (None, Some(text)) if !flags_only => address(text).map(Some),
             (flag, _) => Ok(flag),
@@ -220,15 +211,23 @@ impl ServiceOptions {
         if self.tables.is_some() && web.is_none() {
             return Err("--tables: watch tables are shown by the page: add --web ADDR:PORT".to_string());
         }
-        // Several CPUs of one program cannot be the same partner.
-        let connections = if flags_only { Vec::new() } else { image.config.connections.clone() };
-        let board = (!connections.is_empty()).then(|| Arc::new(Board::new(connections)));
-        let is_open = s7.or(modbus).or(opcua).or(metrics).or(web).is_some();
-        let folder = text(&self.tls, &config.tls);
         if self.tls.is_some() && web.or(metrics).is_none() {
             return Err("--tls: it is for the page and the metrics: add --web or --metrics".to_string());
         }
-        if !is_open && target.is_none() && board.is_none() {
+        let (tls, tables) = (text(&self.tls, &config.tls), text(&self.tables, &config.tables));
+        Ok(Wanted { s7, modbus, opcua, metrics, web, tls, tables, target, node })
+    }
+
+    /// Opens what the flags and, unless `flags_only`, plc.toml ask for. `Err`: why not.
+    ///
+    /// `loader` changes the program, if clients may do that.
+    pub fn open(&self, image: &ProgramImage, flags_only: bool, loader: Option<Loader>) -> Result<Opened, String> {
+        let config = &image.config.services;
+        let wanted = self.wanted(config, flags_only)?;
+        // Several CPUs of one program cannot be the same partner.
+        let connections = if flags_only { Vec::new() } else { image.config.connections.clone() };
+        let board = (!connections.is_empty()).then(|| Arc::new(Board::new(connections)));
+        if !wanted.has_port() && wanted.target.is_none() && board.is_none() {
             return match self.access {
                 Some(_) if !flags_only => {
                     Err("--access: no client can connect: add --s7, --modbus, --opcua, --web or --mqtt".to_string())
@@ -237,115 +236,55 @@ impl ServiceOptions {
             };
         }
         let clients = Clients::new(config, self.access.map(Right::from));
-        let times = metrics.is_some().then(Arc::<CycleTimes>::default);
+        let times = wanted.metrics.is_some().then(Arc::<CycleTimes>::default);
         let (link, desk) = link(times.clone(), board.clone());
-        let mut plan = Plan {
-            s7: None,
-            partners: Vec::new(),
-            modbus: None,
-            opcua: None,
-            metrics: None,
-            web: None,
-            tls: None,
-            publisher: None,
-            node: None,
-        };
-        if let (Some(folder), Some(address)) = (folder, web.or(metrics)) {
-            plan.tls = Some(tls::server(Path::new(&folder), &image.name, address.ip())?);
+        let mut opening = Opening::new(image, clients, link);
+        if let (Some(folder), Some(address)) = (wanted.tls, wanted.web.or(wanted.metrics)) {
+            opening.encrypt(&folder, address)?;
         }
-        let mut opened = Vec::new();
-        let guard = Guard::new(config.password.as_deref());
-        let server = s7::Server { link: link.clone(), guard, protection: config.protection, board: board.clone() };
-        if let Some(address) = s7 {
-            let door = listen::open("s7", address, clients.clone())?;
-            let (protection, has_password) = (config.protection, config.password.is_some());
-            let control = control_of_s7(image.profile.family.is_portal(), protection, has_password);
-            let is_locked = protection == Protection::Complete && has_password;
-            let locked = if is_locked { ", all of it with the password" } else { "" };
-            opened.push(line("S7 clients", &door, &format!("{}{locked}", clients.text(control))));
-            plan.s7 = Some((door, server.clone()));
+        opening.s7(wanted.s7, board)?;
+        if let Some(address) = wanted.modbus {
+            opening.modbus(address)?;
         }
-        for (number, connection) in board.iter().flat_map(|board| board.connections().iter().enumerate()) {
-            opened.push(partner(connection, s7.is_some()));
-            if connection.active {
-                // A partner reaches nothing here unless clients do.
-                let rights = s7.map(|_| clients.clone());
-                plan.partners.push((server.clone(), number, rights));
-            }
+        if let Some(address) = wanted.opcua {
+            opening.opcua(address)?;
         }
-        if let Some(address) = modbus {
-            let map = Map::new(&config.registers, image)?;
-            let door = listen::open("modbus", address, clients.clone())?;
-            opened.push(line("Modbus TCP clients", &door, &clients.text("read and write")));
-            plan.modbus = Some((door, link.clone(), map));
+        if let Some(address) = wanted.web {
+            let tables = wanted.tables.map(|folder| Tables::new(&folder));
+            opening.page(address, self.allow_load, loader, tables)?;
         }
-        if let Some(address) = opcua {
-            let server = opcua::Server::new(link.clone(), config, image, address)?;
-            let door = listen::open("opcua", address, clients.clone())?;
-            let control = control_of_opcua(config.protection);
-            opened.push(line("OPC UA clients", &door, &server.text(&clients.text(control))));
-            plan.opcua = Some((door, Arc::new(server)));
+        if let (Some(address), Some(times)) = (wanted.metrics, times) {
+            opening.metrics(address, times)?;
         }
-        if let Some(address) = web {
-            let users = Users::new(&config.users);
-            if users.is_open() && !address.ip().is_loopback() {
-                return Err(format!(
-                    "--web {address}: without `[[services.user]]` in plc.toml the page is for this computer only"
-                ));
-            }
-            let door = listen::open("web", address, clients.clone())?;
-            let services = [
-                plan.s7.as_ref().map(|(door, _)| door),
-                plan.modbus.as_ref().map(|(door, ..)| door),
-                plan.opcua.as_ref().map(|(door, _)| door),
-                Some(&door),
-            ];
-            let services = services.into_iter().flatten().map(|door| (door.service, door.open.clone())).collect();
-            let who = match (users.is_open(), self.allow_load) {
-                (true, false) => "everyone on this computer may look",
-                (true, true) => "everyone on this computer may look and load programs",
-                (false, _) => "users may sign in",
-            };
-            let scheme = if plan.tls.is_some() { "https" } else { "http" };
-            opened.push(line("page", &door, who).replacen(" at ", &format!(" at {scheme}://"), 1));
-            let loader = loader.filter(|_| self.allow_load);
-            let tables = text(&self.tables, &config.tables).map(|folder| Tables::new(&folder));
-            plan.web = Some((door, Page::new(link.clone(), users, services, loader, plan.tls.is_some(), tables)));
-        }
-        if let (Some(address), Some(times)) = (metrics, times) {
-            let door = listen::open("metrics", address, clients.clone())?;
-            let who = if plan.tls.is_some() { "HTTPS clients" } else { "HTTP clients" };
-            opened.push(line(who, &door, "/metrics and /health"));
-            let services = [
-                plan.s7.as_ref().map(|(door, _)| door),
-                plan.modbus.as_ref().map(|(door, ..)| door),
-                plan.opcua.as_ref().map(|(door, _)| door),
-                plan.web.as_ref().map(|(door, _)| door),
-            ];
-            let services = services.into_iter().flatten().chain([&door]);
-            let services = services.map(|door| (door.service, door.open.clone())).collect();
-            plan.metrics = Some((door, Pages { link: link.clone(), times, services }));
-        }
-        if let Some(target) = target {
+        if let Some(target) = wanted.target {
             let values = if self.publish.is_empty() { &config.values } else { &self.publish };
-            match node {
-                Some(name) => {
-                    let node = Node::new(target, name, values, image, clients)?;
-                    opened.push(node.text());
-                    plan.node = Some((node, link));
-                }
-                None => {
-                    let publisher = Publisher::new(target, values, config.interval_ms, image)?;
-                    opened.push(publisher.text());
-                    plan.publisher = Some((publisher, link));
-                }
-            }
+            opening.broker(target, wanted.node, values)?;
         }
-        if config.protection == Protection::Complete && config.password.is_none() && plan.s7.is_some() {
-            opened.push("S7 clients cannot reach anything: complete protection, and no password".to_string());
-        }
-        plan.start()?;
-        Ok((Some(Box::new(desk)), opened))
+        Ok((Some(Box::new(desk)), opening.start()?))
+    }
+}
+
+/// What is to be opened.
+struct Wanted {
+    s7: Option<SocketAddr>,
+    modbus: Option<SocketAddr>,
+    opcua: Option<SocketAddr>,
+    metrics: Option<SocketAddr>,
+    web: Option<SocketAddr>,
+    /// Folder of the certificate of the page and the metrics.
+    tls: Option<String>,
+    /// Folder of watch tables that the page shows.
+    tables: Option<String>,
+    /// The broker that values are published to.
+    target: Option<Target>,
+    /// The node of Sparkplug B that publishes them.
+    node: Option<NodeName>,
+}
+
+impl Wanted {
+    /// Whether any client can connect.
+    fn has_port(&self) -> bool {
+        self.s7.or(self.modbus).or(self.opcua).or(self.metrics).or(self.web).is_some()
     }
 }
 
@@ -357,120 +296,6 @@ fn target(broker: Broker, files: &BrokerFiles) -> Result<Target, String> {
         (false, Some(flag)) => {
             Err(format!("{flag}: the URL of the broker begins with mqtt://; with TLS it is mqtts://"))
         }
-    }
-}
-
-/// `S7 clients at 127.0.0.1:10102: clients may read`
-fn line(who: &str, door: &Door, text: &str) -> String {
-    let address = door.listener.local_addr().map_or_else(|_| "?".to_string(), |address| address.to_string());
-    format!("{who} at {address}: {text}")
-}
-
-/// `connection 1: to 192.168.0.7:102`, `connection 256 (W#16#100): to 192.168.0.7:102`
-fn partner(connection: &S7Connection, has_port: bool) -> String {
-    let id = match connection.id {
-        id @ 0..10 => id.to_string(),
-        id => format!("{id} (W#16#{id:X})"),
-    };
-    match (connection.active, &connection.partner) {
-        (true, partner) => format!("connection {id}: to {}", partner.as_deref().unwrap_or("its partner")),
-        (false, _) if !has_port => format!("connection {id}: its partner cannot connect without an S7 port; add --s7"),
-        (false, _) => format!("connection {id}: waits for its partner"),
-    }
-}
-
-/// What is to run.
-struct Plan {
-    s7: Option<(Door, s7::Server)>,
-    /// Connections to partners, by number, and who of them may do what here.
-    partners: Vec<(s7::Server, usize, Option<Clients>)>,
-    modbus: Option<(Door, Link, Map)>,
-    opcua: Option<(Door, Arc<opcua::Server>)>,
-    metrics: Option<(Door, Pages)>,
-    web: Option<(Door, Page)>,
-    /// Of the page and the metrics.
-    tls: Option<TlsAcceptor>,
-    publisher: Option<(Publisher, Link)>,
-    node: Option<(Node, Link)>,
-}
-
-impl Plan {
-    /// Starts the thread of the services. `Err`: the system has none.
-    fn start(self) -> Result<(), String> {
-        let failed = |error: std::io::Error| format!("services cannot be started: {error}");
-        // In an executable this signal has its default: a client that goes while it is written to would end the process. With a handler it
-        // is an error of the write.
-        let broken_pipe = Arc::new(std::sync::atomic::AtomicBool::new(false));
-        signal_hook::flag::register(signal_hook::consts::SIGPIPE, broken_pipe).map_err(failed)?;
-        let runtime = Builder::new_current_thread().enable_io().enable_time().build().map_err(failed)?;
-        let thread = std::thread::Builder::new().name("services".to_string());
-        thread.spawn(move || runtime.block_on(self.run())).map_err(failed)?;
-        Ok(())
-    }
-
-    async fn run(self) {
-        let s7 = async {
-            if let Some((door, server)) = self.s7 {
-                let reference = std::sync::atomic::AtomicU16::new(0);
-                let serve = |visitor| {
-                    let number = reference.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    s7::serve(visitor, server.clone(), number % 0x7FFF + 1)
-                };
-                listen::accept(door, serve).await;
-            }
-        };
-        let modbus = async {
-            if let Some((door, link, map)) = self.modbus {
-                listen::accept(door, |visitor| modbus::serve(visitor, link.clone(), map)).await;
-            }
-        };
-        let opcua = async {
-            if let Some((door, server)) = self.opcua {
-                listen::accept(door, |visitor| opcua::serve(visitor, server.clone())).await;
-            }
-        };
-        let metrics = async {
-            if let Some((door, pages)) = self.metrics {
-                let serve = |visitor: Visitor| {
-                    let (tls, pages) = (self.tls.clone(), pages.clone());
-                    async move {
-                        if let Some(stream) = tls::open(tls.as_ref(), visitor.stream).await {
-                            metrics::serve(stream, pages).await;
-                        }
-                    }
-                };
-                listen::accept(door, serve).await;
-            }
-        };
-        let web = async {
-            if let Some((door, page)) = self.web {
-                let serve = |visitor: Visitor| {
-                    let (tls, page) = (self.tls.clone(), page.clone());
-                    async move {
-                        if let Some(stream) = tls::open(tls.as_ref(), visitor.stream).await {
-                            web::serve(stream, visitor.right, page).await;
-                        }
-                    }
-                };
-                listen::accept(door, serve).await;
-            }
-        };
-        let publisher = async {
-            if let Some((publisher, link)) = self.publisher {
-                values::run(publisher, link).await;
-            }
-        };
-        let node = async {
-            if let Some((node, link)) = self.node {
-                sparkplug::run(node, link).await;
-            }
-        };
-        for (server, number, rights) in self.partners {
-            tokio::spawn(s7::call(server, number, rights));
-        }
-        tokio::join!(s7, modbus, opcua, metrics, web, publisher, node);
-        // Partners of the program do not end.
-        std::future::pending().await
     }
 }
 
