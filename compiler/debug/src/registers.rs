@@ -136,8 +136,10 @@ impl Register {
         );
         let number = match number {
             Ok(plcc_runtime::assertion::Value::Bits(bits)) => bits as u32,
-            Ok(_) | Err(_) => match text.trim().parse::<i32>() {
-                Ok(negative) if self.form == Form::Hex => negative.cast_unsigned(),
+            // An accumulator takes what a double word does, such as -1, 1.5 and P#M10.0; an address register a pointer as it is shown.
+            Ok(_) | Err(_) => match plcc_runtime::value::parse(text, plcc_runtime::address::Width::Dword) {
+                Ok(bits) if self.form == Form::Hex => bits as u32,
+                Ok(bits) if self.form == Form::Pointer && text.trim().starts_with(['P', 'p']) => bits as u32,
                 Ok(_) | Err(_) => return Err(wrong()),
             },
         };
