@@ -64,6 +64,12 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
         return members.into_iter().map(|one| variable(index, one)).collect();
     }
     if before == "#" || written.starts_with('#') || words.word(first) == "#" && words.range(first).end == byte {
+        let sign = if before == "#" { first - 1 } else { first };
+        let owner = sign.checked_sub(1).map_or("", |owner| words.word(owner));
+        if words.language(sign) == Language::Sd && owner.eq_ignore_ascii_case("wire") {
+            let wires = network::wires(words, sign).into_iter();
+            return wires.map(|name| item(name, CompletionItemKind::REFERENCE, "wire")).collect();
+        }
         return locals(index, entry);
     }
     if written.starts_with('"') || text_before(words, byte).ends_with('"') {
@@ -291,10 +297,11 @@ fn constant(index: &Index, constant: Constant) -> CompletionItem {
     item(constant.name(), CompletionItemKind::CONSTANT, &constant.value(index))
 }
 
-/// Blocks, symbols and constants.
+/// Blocks with names, symbols and constants.
 fn globals(index: &Index) -> Vec<CompletionItem> {
+    let named = index.blocks.iter().filter(|entry| matches!(entry.name(), BlockName::Symbol { .. }));
     let block = |entry: &Entry| item(&entry.text(), CompletionItemKind::MODULE, entry.keyword());
-    let mut items: Vec<CompletionItem> = index.blocks.iter().map(block).collect();
+    let mut items: Vec<CompletionItem> = named.map(block).collect();
     items.extend(index.checked.tables.iter().flat_map(|table| &table.symbols).map(symbol));
     let constants = index.checked.tables.iter().flat_map(|table| &table.constants);
     items.extend(constants.map(|one| constant(index, Constant::Global(one))));
@@ -447,17 +454,17 @@ fn parameters(index: &Index, words: &Words, file: FileId, at: usize) -> Vec<Comp
     let open = open_bracket(words, at).unwrap_or(at);
     let given: Vec<&str> =
         (open..at).filter(|&at| matches!(words.word(at + 1), ":=" | "=>")).map(|at| bare(words.word(at))).collect();
-    let stl = words.language(open.min(words.pieces.len().saturating_sub(1))) == Language::Stl;
+    let language = words.language(open.min(words.pieces.len().saturating_sub(1)));
     let row = |one: &ParameterFacts| {
         let name = one.name_after(&given)?;
-        let sign = if one.direction == "OUT" && !stl { "=>" } else { ":=" };
+        let sign = if one.direction == "OUT" && language != Language::Stl { "=>" } else { ":=" };
         Some(CompletionItem {
             insert_text: Some(format!("{name} {sign} ")),
             sort_text: Some(format!(" {name}")),
             ..item(&name, CompletionItemKind::FIELD, format!("{} {}", one.ty, one.direction).trim_start())
         })
     };
-    callee.parameters(index).iter().filter_map(row).collect()
+    callee.arguments(index, language).iter().filter_map(row).collect()
 }
 
 /// The parameters of the call around a byte.
@@ -468,7 +475,7 @@ pub fn signature(index: &Index, words: &Words, file: FileId, byte: usize) -> Opt
         Some(element) => element,
         None => {
             let callee = callee_around(index, words, file, open + 1)?;
-            (callee.name(), callee.parameters(index))
+            (callee.name(), callee.arguments(index, words.language(open)))
         }
     };
     let texts: Vec<String> = rows.iter().map(ParameterFacts::text).collect();

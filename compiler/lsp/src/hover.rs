@@ -91,7 +91,8 @@ fn paragraph(text: &str) -> String {
 }
 
 fn block(index: &Index, entry: Entry) -> String {
-    let mut text = code(&format!("{} {}", entry.keyword(), entry.text()));
+    let returns = entry.return_type().map(|ty| format!(" : {}", index.type_text(ty))).unwrap_or_default();
+    let mut text = code(&format!("{} {}{returns}", entry.keyword(), entry.text()));
     if let Some(title) = entry.title() {
         text.push_str(&format!("{title}\n\n"));
     }

@@ -42,6 +42,14 @@ impl<'c> Entry<'c> {
         }
     }
 
+    /// The type of the value of a function.
+    pub fn return_type(&self) -> Option<&'c TypeRef> {
+        match self.block {
+            Block::Code(block) => block.return_type.as_ref(),
+            Block::Data(_) | Block::Type(_) => None,
+        }
+    }
+
     pub fn is_data(&self) -> bool {
         matches!(self.block, Block::Data(_))
     }

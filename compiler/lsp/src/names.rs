@@ -397,6 +397,17 @@ impl<'c> Callee<'c> {
         }
     }
 
+    /// What a call can name, in order: in STL and networks the value of a function, too.
+    pub fn arguments(&self, index: &Index<'c>, language: Language) -> Vec<ParameterFacts> {
+        let mut all = self.parameters(index);
+        let result = self.entry().and_then(|entry| entry.return_type());
+        if let (Some(ty), Language::Stl | Language::Sd) = (result, language) {
+            let (name, ty) = ("RET_VAL".to_owned(), index.type_text(ty));
+            all.push(ParameterFacts { name, direction: "OUT", ty, ..ParameterFacts::default() });
+        }
+        all
+    }
+
     pub fn name(&self) -> String {
         match self {
             Callee::Source(entry) => entry.text(),

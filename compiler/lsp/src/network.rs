@@ -42,6 +42,21 @@ fn wire(word: &str) -> String {
     format!("```plc\nwire#{name}\n```\n{what}\n")
 }
 
+/// The names of the wires of the network around a piece, without the piece.
+pub fn wires<'t>(words: &Words<'t>, at: usize) -> Vec<&'t str> {
+    let is_end = |at: &usize| ["NETWORK", "END_NETWORK"].iter().any(|own| own.eq_ignore_ascii_case(words.word(*at)));
+    let first = (0..at).rev().find(is_end).unwrap_or(0);
+    let last = (at..words.pieces.len()).find(is_end).unwrap_or(words.pieces.len());
+    let mut names: Vec<&str> = vec!["powerrail"];
+    for other in (first..last).filter(|other| *other != at && is_wire(words, *other)) {
+        let name = words.word(other).trim_start_matches('#');
+        if !name.is_empty() && !names.iter().any(|own| own.eq_ignore_ascii_case(name)) {
+            names.push(name);
+        }
+    }
+    names
+}
+
 /// `Contact( #on )`, `#t.TON( pt := T#1s )`.
 fn element(word: &str) -> Option<String> {
     let (row, negated) = elements::find_sd(word)?;

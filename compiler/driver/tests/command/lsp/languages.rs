@@ -339,6 +339,53 @@ fn functions_of_scl_are_known() {
     assert!(labels(&found).contains(&"IN2") && !labels(&found).contains(&"IN1"), "{found}");
 }
 
+/// STL and networks name the value of a function RET_VAL; in SCL it is the call.
+#[test]
+fn the_value_of_a_function_is_a_parameter_outside_of_scl() {
+    let mut editor = Editor::new("alike");
+    ["list.stl", "line.scl"].iter().for_each(|file| editor.open(file));
+    editor.messages("line.scl");
+    let found = editor.at("textDocument/hover", "line.scl", "\"Tw|ice\"(x");
+    assert!(
+        found["contents"]["value"].as_str().is_some_and(|text| text.contains("FUNCTION Twice : \"Pair\"")),
+        "{found}"
+    );
+    let found = editor.at("textDocument/signatureHelp", "line.scl", "\"Twice\"(x := |#limit");
+    assert_eq!(found["signatures"][0]["label"], json!("Twice(x : Int IN)"));
+    editor.edit("list.stl", "      T     #result;", "      CALL  \"Twice\" (x := 1,\n            );");
+    let found = editor.at("textDocument/completion", "list.stl", "(x := 1,|\n");
+    assert_eq!(labels(&found), ["RET_VAL"]);
+    assert_eq!(found[0]["insertText"], json!("RET_VAL := "), "{found}");
+    let found = editor.at("textDocument/signatureHelp", "list.stl", "(x := |1,");
+    assert_eq!(found["signatures"][0]["label"], json!("Twice(x : Int IN, RET_VAL : \"Pair\" OUT)"));
+}
+
+/// A block that only has a number has no name for quotes.
+#[test]
+fn names_in_quotes_are_those_of_the_program() {
+    let mut editor = Editor::new("plant");
+    editor.open("main.stl");
+    editor.messages("main.stl");
+    let found = editor.at("textDocument/completion", "main.stl", "start := \"|Start\"");
+    let found = labels(&found);
+    assert!(found.contains(&"Start") && found.contains(&"Motor"), "{found:?}");
+    assert!(!found.contains(&"FC 1") && !found.contains(&"DB 10"), "{found:?}");
+}
+
+#[test]
+fn wires_of_a_network_are_proposed() {
+    let mut editor = Editor::new("alike");
+    editor.open("lamp.s7dcl");
+    editor.messages("lamp.s7dcl");
+    let rung = "Coil( #lit )  END_RUNG\n        RUNG wire#powerrail  Contact( #on )  END_RUNG wire#";
+    editor.edit("lamp.s7dcl", "Coil( #lit )  END_RUNG", rung);
+    for piece in ["END_RUNG wire#|\n", "Contact( #on )  wire#|lit"] {
+        let found = editor.at("textDocument/completion", "lamp.s7dcl", piece);
+        let wanted = if piece.ends_with('\n') { &["powerrail", "lit"][..] } else { &["powerrail"] };
+        assert_eq!(labels(&found), wanted, "{piece}");
+    }
+}
+
 #[test]
 fn types_are_proposed_in_declarations() {
     for (folder, file, piece, wanted, other) in [
