@@ -16,6 +16,8 @@ pub struct Names {
     /// The symbol of an address.
     symbols: HashMap<String, String>,
     dbs: Vec<Db>,
+    /// FBs of which a data block has an instance inside.
+    inner: HashSet<BlockKey>,
     /// Names of blocks that have one.
     blocks: HashMap<BlockKey, String>,
     /// Variables of the instances and the local data of FBs.
@@ -66,6 +68,7 @@ impl Names {
             names.addresses.insert(symbol.name.to_lowercase(), address);
         }
         names.dbs = program.dbs.iter().map(db).collect();
+        names.dbs.iter().for_each(|db| inner_instances(&db.members, &mut names.inner));
         let named = program.blocks.iter().filter(|block| !block.name.is_empty());
         names.blocks = named.map(|block| (block.key(), block.name.clone())).collect();
         for block in &program.blocks {
@@ -122,7 +125,7 @@ impl Names {
     pub fn scope(&self, block: BlockKey, german: bool) -> Scope {
         let mut instances = self.dbs.iter().enumerate().filter(|(_, db)| db.instance_of == Some(block));
         let instance = match (instances.next(), instances.next()) {
-            (Some((at, _)), None) => Some(at),
+            (Some((at, _)), None) if !self.inner.contains(&block) => Some(at),
             _ => None,
         };
         Scope { instance, block: Some(block), german }
@@ -233,6 +236,20 @@ fn instance_of(ty: &DataType) -> Option<BlockKey> {
         | DataType::WideString(_)
         | DataType::Parameter(_)
         | DataType::Void => None,
+    }
+}
+
+/// Adds the blocks of which members are instances, at any depth.
+fn inner_instances(members: &[Member], found: &mut HashSet<BlockKey>) {
+    for member in members {
+        let mut ty = &member.ty;
+        while let DataType::Array(array) = ty {
+            ty = &array.element;
+        }
+        if let DataType::Struct(structure) = ty {
+            found.extend(instance_of(ty));
+            inner_instances(&structure.members, found);
+        }
     }
 }
 

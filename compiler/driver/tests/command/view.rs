@@ -47,6 +47,25 @@ fn a_calculation_shows_its_formula() {
     }
 }
 
+/// Its variables have no address of their own, since each instance has others.
+#[test]
+fn a_block_with_an_instance_inside_of_another_has_several() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "FUNCTION_BLOCK \"Inner\"\nVAR_INPUT\n  go : Bool;\nEND_VAR\nVAR\n  count : Int;\nEND_VAR\nBEGIN\n  IF #go THEN\n    \
+                  #count := #count + 1;\n  END_IF;\nEND_FUNCTION_BLOCK\nFUNCTION_BLOCK \"Outer\"\nVAR\n  list : Array[0..1] of \"Inner\";\n\
+                  END_VAR\nBEGIN\n  #list[0](go := TRUE);\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"Outer_DB\" \"Outer\"\nBEGIN\nEND_DATA_BLOCK\n\
+                  DATA_BLOCK \"Inner_DB\" \"Inner\"\nBEGIN\nEND_DATA_BLOCK\nORGANIZATION_BLOCK \"Main\"\nBEGIN\n  \"Outer_DB\"();\n  \
+                  \"Inner_DB\"(go := TRUE);\nEND_ORGANIZATION_BLOCK\n";
+    fs::write(folder.join("twice.scl"), source).expect("the folder can be written");
+    let output = plcc(folder, &["view", "twice.scl", "--cpu", "s7-1500", "--html", "twice.html"]);
+    let page = fs::read_to_string(folder.join("twice.html"));
+    let page = page.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+    // Where it is used: the page adds these to the addresses of both instances.
+    assert!(page.contains("\"FB 1#count\":[[") && page.contains("\"FB 1#go\":[["), "{page}");
+    assert!(!page.contains("\"DB2.DBX0.0\":[["), "{page}");
+}
+
 /// Timers and counters of the S7-300/400: a box shows all pins, those without an operand too; with nothing but its time a timer is a coil.
 #[test]
 fn a_box_of_a_timer_has_all_pins_and_a_coil_is_a_coil() {
