@@ -261,6 +261,9 @@ impl Binder<'_> {
             if let Some(known) = libraries::subroutine(name) {
                 return of_library(message, name, &known);
             }
+            if let Some(purpose) = libraries::wizard(name) {
+                return of_wizard(message, name, purpose);
+            }
             let message = message.label("no source of the program has this block");
             match near.as_slice() {
                 [] => message.help("add the source that defines it; a file without a header is named after its block"),
@@ -312,4 +315,11 @@ pub(super) fn of_library(message: Diagnostic, name: &str, known: &Subroutine) ->
     message
         .label(format!("it is in the {library} library of Micro/WIN, which plcc does not have"))
         .help(format!("write a subroutine `{name}` in its place, or accept missing parts with `--partial`"))
+}
+
+/// The message about a subroutine that a wizard of Micro/WIN makes and that is not defined.
+pub(super) fn of_wizard(message: Diagnostic, name: &str, purpose: &str) -> Diagnostic {
+    message.label(format!("the wizard {purpose} of Micro/WIN makes it")).help(format!(
+        "export it with the program; if it is protected, write a subroutine `{name}` in its place, or accept missing parts with `--partial`"
+    ))
 }

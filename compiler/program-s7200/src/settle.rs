@@ -7,7 +7,7 @@ use plcc_syntax::s7200::ast::{self, Area, Constant, Direct, OperandKind, Shown, 
 use plcc_syntax::s7200::{self, OperandClass, libraries};
 
 use super::address;
-use super::call::{of_library, what};
+use super::call::{of_library, of_wizard, what};
 use super::interface::{Locals, Type};
 use super::names::{block_kind, fold};
 use super::{Binder, operand};
@@ -234,10 +234,13 @@ impl Binder<'_> {
                 None => format!("{name} is not defined (0087)"),
             };
             let message = Diagnostic::new(Code::UnknownBlock, span, title);
-            match symbol.and_then(|symbol| Some((symbol, libraries::subroutine(symbol)?))) {
-                Some((symbol, known)) => of_library(message, symbol, &known),
-                None => message.label("no source of the program has this block").help("add the source that defines it"),
+            if let Some((symbol, known)) = symbol.and_then(|symbol| Some((symbol, libraries::subroutine(symbol)?))) {
+                return of_library(message, symbol, &known);
             }
+            if let Some((symbol, purpose)) = symbol.and_then(|symbol| Some((symbol, libraries::wizard(symbol)?))) {
+                return of_wizard(message, symbol, purpose);
+            }
+            message.label("no source of the program has this block").help("add the source that defines it")
         });
         None
     }

@@ -1,6 +1,6 @@
-//! Subroutines of the libraries that come with Micro/WIN. Programs call them, and plcc does not have them.
+//! Subroutines of the libraries that come with Micro/WIN, and those that its wizards make. Programs call them, and plcc does not have them.
 //!
-//! Source: S7-200 system manual, USS protocol library and Modbus protocol library.
+//! Source: S7-200 system manual, USS protocol library, Modbus protocol library, and the chapters of the wizards.
 
 /// A subroutine of a library.
 pub struct Subroutine {
@@ -48,4 +48,30 @@ const ROWS: &[(&str, &str, &str)] = &[
 pub fn subroutine(name: &str) -> Option<Subroutine> {
     let &(_, library, parameters) = ROWS.iter().find(|(known, ..)| known.eq_ignore_ascii_case(name))?;
     Some(Subroutine { library, parameters })
+}
+
+/// Names without the number of the unit, what the wizard is for, and what follows `_` in the names of its subroutines.
+const WIZARDS: &[(&str, &str, &str)] = &[
+    ("NET", "for NETR and NETW", "EXE"),
+    ("PID", "for PID loops", "INIT CTRL"),
+    ("PTO", "for pulse outputs", "CTRL RUN MAN LDPOS ADV"),
+    ("PWM", "for pulse outputs", "RUN"),
+    ("POS", "for position control", "CTRL MAN GOTO RUN RSEEK LDOFF LDPOS SRATE DIS CLR CFG"),
+    ("AXIS", "for motion control", "CTRL MAN GOTO RUN RSEEK LDOFF LDPOS SRATE DIS CFG CACHE"),
+    ("ETH", "for Ethernet modules", "CTRL CFG XFR"),
+    ("MOD", "for modem modules", "CTRL XFR MSG"),
+    ("ASI", "for AS-Interface modules", "CTRL"),
+    ("RCP", "for recipes", "READ WRITE"),
+    ("DAT", "for data logs", "WRITE"),
+    ("TD", "for text displays", "CTRL ALM"),
+];
+
+/// What the wizard is for that makes a subroutine with this name: `PTO0_CTRL`, `NET_EXE`, `TD_CTRL_0`.
+pub fn wizard(name: &str) -> Option<&'static str> {
+    let name = name.to_ascii_uppercase();
+    let (unit, end) = name.split_once('_')?;
+    let unit = unit.trim_end_matches(|c: char| c.is_ascii_digit());
+    let end = end.trim_end_matches(|c: char| c.is_ascii_digit() || c == '_');
+    let row = WIZARDS.iter().find(|(known, _, ends)| *known == unit && ends.split(' ').any(|known| known == end))?;
+    Some(row.1)
 }
