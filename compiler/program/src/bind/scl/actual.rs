@@ -3,6 +3,7 @@
 //! Source: SCL reference, parameters. Inputs are expressions and convert implicitly; outputs convert from the formal's type to the
 //! variable's; complex data must have the same type. `pointer` has what is passed by pointer.
 
+use plcc_abi::image::BlockKind;
 use plcc_binding::rewrite;
 use plcc_diag::{Code, Diagnostic, Span};
 use plcc_syntax::ast::{BlockPrefix, CellKind};
@@ -61,7 +62,12 @@ impl SclBinder<'_, '_> {
             | DataType::WideString(_)
             | DataType::Array(_)
             | DataType::Struct(_) => match intent {
-                Intent::Read => Some(Actual::Complex(self.complex(ctx, node, &formal.ty)?)),
+                Intent::Read => {
+                    let value = self.complex(ctx, node, &formal.ty)?;
+                    // The instance of a function block has room for no more anyway.
+                    let is_function = callee.kind == BlockKind::Fc;
+                    Some(Actual::Complex(if is_function { complex::cut_constant(value, &formal.ty) } else { value }))
+                }
                 Intent::Write | Intent::Both => {
                     let access = self.access(ctx, node, intent)?;
                     if !complex::assignable(ctx.scope.rules, &formal.ty, &access.ty) || access.part.is_some() {

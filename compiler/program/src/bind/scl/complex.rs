@@ -253,6 +253,23 @@ fn wide_bytes(text: &[u16]) -> Vec<u8> {
     words.flat_map(u16::to_be_bytes).collect()
 }
 
+/// A constant text, cut to the length that its parameter declares: a function refers to what it is given.
+pub fn cut_constant(value: Complex, ty: &DataType) -> Complex {
+    let Complex::Const(bytes) = value else { return value };
+    let (head, end) = match ty {
+        DataType::String(most) => (vec![*most, *most], 2 + usize::from(*most)),
+        DataType::WideString(most) => ([*most, *most].map(u16::to_be_bytes).concat(), 4 + 2 * usize::from(*most)),
+        _ => return Complex::Const(bytes),
+    };
+    // An empty text has room for a character.
+    let is_longer = bytes.len() > end && bytes.len() > head.len() + head.len() / 2;
+    if !is_longer {
+        return Complex::Const(bytes);
+    }
+    let characters = &bytes[head.len()..end];
+    Complex::Const([head.as_slice(), characters].concat())
+}
+
 /// Whether a variable of type `to` accepts one of type `from`. Source: SCL reference, ARRAY, STRUCT.
 pub fn assignable(rules: Rules, to: &DataType, from: &DataType) -> bool {
     match (to, from) {
