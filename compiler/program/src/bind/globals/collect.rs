@@ -1,34 +1,22 @@
 //! Reads the tables and numbers the blocks of all sources, so that their order does not matter.
 
-use plcc_abi::ob::{OB_FREE, ObClass};
+mod tables;
+mod unnumbered;
+
+use plcc_abi::ob::ObClass;
 use plcc_diag::{Code, Diagnostic, Severity, Span};
 use plcc_syntax::article::with_article;
 use plcc_syntax::ast::{self, BlockName, BlockPrefix, CodeKind};
-use plcc_syntax::scl::ast::Dialect;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::bind::globals::Globals;
 use crate::bind::globals::names::{Global, code_kind};
-use crate::bind::globals::ob::unknown_class;
-use crate::bind::trees::blocks::{
-    block_class, class_attribute, class_of_inputs, header_of, is_forward, is_fragment, is_safety,
-};
-use crate::bind::trees::mentions;
+use crate::bind::trees::blocks::{block_class, header_of, is_forward, is_fragment, is_safety};
 use crate::bind::trees::numbering::{LOOSE, LOOSE_HELP, block_of_file, frame, is_loose, numbered, source_prefix};
 use plcc_binding::fold;
 use plcc_model::BlockKey;
-use plcc_model::types::Elementary;
-use plcc_syntax::symbols::{External, Symbol, SymbolTarget};
-
-/// A block that is written with a name and without a number.
-struct Unnumbered<'a> {
-    block: &'a ast::Block,
-    prefix: BlockPrefix,
-    name: String,
-    span: Span,
-    /// OB: what starts it.
-    class: Option<ObClass>,
-}
+use plcc_syntax::symbols::{External, SymbolTarget};
+use unnumbered::Unnumbered;
 
 /// A global symbol of the block's kind. A data type may have the name of a block of another kind.
 fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, name: &str) -> Option<&'g Global> {
@@ -36,55 +24,6 @@ fn own_global<'g>(globals: &'g FxHashMap<String, Global>, prefix: BlockPrefix, n
     match global.target {
         SymbolTarget::Block { prefix: named, .. } if share_name(prefix, named) => None,
         _ => Some(global),
-    }
-}
-
-/// The message about a row whose address has another width than its data type. Types of more than 32 bits are at the address of their first bit.
-fn type_fault(symbol: &Symbol, ty: Elementary) -> Option<Diagnostic> {
-    let SymbolTarget::Memory { area, width, byte, bit } = symbol.target else { return None };
-    // Bytes and words that are too narrow are reported for tags of all kinds.
-    let is_narrow = width != ast::Width::Bit && ty.bits() > width.bits();
-    let is_long = ty.bits() > 32;
-    if is_long && bit == 0 || ty.bits() == width.bits() || is_narrow {
-        return None;
-    }
-    let bits = |count: u32| if count == 1 { "one bit".to_owned() } else { format!("{count} bits") };
-    let title = format!(
-        "`{}` is {} of {} at an address of {}",
-        symbol.name,
-        with_article(ty.name()),
-        bits(ty.bits()),
-        bits(width.bits())
-    );
-    let help = if is_long {
-        format!("write the address of its first bit, such as `{} {byte}.0`", area.letters())
-    } else {
-        let letters = area.letters();
-        let address = match ty.bits() {
-            1 => format!("{letters} {byte}.{bit}"),
-            8 => format!("{letters}B {byte}"),
-            16 => format!("{letters}W {byte}"),
-            _ => format!("{letters}D {byte}"),
-        };
-        let own = match width {
-            ast::Width::Bit => "BOOL",
-            ast::Width::Byte => "BYTE",
-            ast::Width::Word => "WORD",
-            ast::Width::Dword => "DWORD",
-            ast::Width::Lword => "LWORD",
-        };
-        format!("write the address `{address}`, or the data type {own}")
-    };
-    Some(Diagnostic::new(Code::SymbolTable, symbol.span, title).label("the address counts").help(help))
-}
-
-/// What a symbol with this data type means: one of 64 bits has the address of its first bit.
-fn target_of(symbol: &Symbol, ty: Option<Elementary>) -> SymbolTarget {
-    match (symbol.target, ty) {
-        (SymbolTarget::Memory { area, width: ast::Width::Bit, byte, bit: 0 }, Some(ty)) if ty.bits() > 32 => {
-            SymbolTarget::Memory { area, width: ast::Width::Lword, byte, bit: 0 }
-        }
-        (target, _) => target,
     }
 }
 
@@ -107,92 +46,8 @@ impl<'a> Globals<'a> {
                 used.insert((prefix, number));
             }
         }
-        let mut unnumbered = Vec::new();
-        // Blocks whose numbers may change get the free ones.
-        for movable in [false, true] {
-            for &block in &blocks {
-                let (prefix, name) = frame(block);
-                let (prefix, (numbered, is_movable)) = match self.named_by_file(block) {
-                    Some((prefix, number)) => {
-                        (prefix, (BlockName::Numbered { prefix, number, span: name.span() }, false))
-                    }
-                    None => (prefix, self.numbered(block, prefix, name)),
-                };
-                if is_movable == movable {
-                    self.place(block, (prefix, numbered), movable, &mut used, &mut unnumbered);
-                }
-            }
-        }
-        if !unnumbered.is_empty() {
-            used.extend(blocks.iter().flat_map(|block| mentions::numbers(block)));
-        }
-        let lonely = blocks.iter().filter(|block| frame(block).0 == BlockPrefix::Ob).count() == 1;
-        let mut next: FxHashMap<BlockPrefix, u32> = FxHashMap::default();
-        for Unnumbered { block, prefix, name, span, class } in unnumbered {
-            if prefix == BlockPrefix::Db {
-                self.report.unnumbered_dbs.push(name.clone());
-            }
-            let class = match class {
-                None if prefix == BlockPrefix::Ob && (!lonely || used.contains(&(BlockPrefix::Ob, 1))) => {
-                    match self.unsaid_class(block, &name, span, &used) {
-                        Some(class) => Some(class),
-                        None => continue,
-                    }
-                }
-                class => class,
-            };
-            if let Some(global) = own_global(&self.names.symbols, prefix, &name) {
-                // Two blocks with one name: the second would replace the first.
-                let first = global.span;
-                let help = self.choice(first, span, "give one of them another name");
-                self.report.push(
-                    Diagnostic::new(Code::DuplicateBlock, span, format!("`{name}` is defined twice"))
-                        .label("the second definition")
-                        .also(first, "the first definition")
-                        .help(help),
-                );
-                continue;
-            }
-            let number = next.entry(prefix).or_insert(1);
-            // An OB with only a known class: the usual number of the class, otherwise a free one.
-            if let Some(class) = class {
-                let (first, last) = class.row().numbers;
-                // OB 101 and 102 start differently.
-                let last = if class == ObClass::Startup { first } else { last };
-                let usual = (first..=last).map(u32::from).find(|number| !used.contains(&(prefix, *number)));
-                *number = usual.unwrap_or(u32::from(OB_FREE));
-            }
-            while used.contains(&(prefix, *number)) {
-                *number += 1;
-            }
-            if *number > 65_535 {
-                continue;
-            }
-            let number = *number;
-            let is_main = class == Some(ObClass::ProgramCycle) && name.eq_ignore_ascii_case("Main");
-            if is_main && used.contains(&(prefix, 1)) && block_class(block).is_none() {
-                let title = format!("`{name}` is OB {number} here, because the sources have an OB 1 too");
-                let message = Diagnostic::new(Code::DuplicateBlock, span, title).label("both blocks run in each cycle");
-                let mut names = blocks.iter().map(|block| frame(block)).map(|(prefix, name)| (prefix, name.span()));
-                let mut message = match names.find(|(prefix, name)| is_loose(*prefix, *name)) {
-                    Some((_, statements)) => message.also(statements, LOOSE).help(LOOSE_HELP),
-                    None => message.help(
-                        "`Main` is the usual name of OB 1: if they are one block remove one of them, else give this one another name",
-                    ),
-                };
-                message.severity = Severity::Warning;
-                self.report.push(message);
-            }
-            used.insert((prefix, number));
-            if let Some(class) = class
-                && number >= u32::from(OB_FREE)
-                && block_class(block).is_none()
-            {
-                self.config.ob_classes.push((number as u16, class));
-            }
-            self.name_block(&name, prefix, number, span);
-            self.define(block, prefix, number as u16, span);
-        }
+        let unnumbered = self.define_numbered(&blocks, &mut used);
+        self.define_unnumbered(&blocks, unnumbered, &mut used);
         for global in self.names.symbols.values() {
             if let SymbolTarget::Block { prefix, number } = global.target
                 && number <= 65_535
@@ -203,6 +58,31 @@ impl<'a> Globals<'a> {
         self.constants_named_as_others();
         self.find_foreign();
         self.move_library(&used);
+    }
+
+    /// Defines the blocks that have numbers. Result: the others.
+    fn define_numbered(
+        &mut self,
+        blocks: &[&'a ast::Block],
+        used: &mut FxHashSet<(BlockPrefix, u32)>,
+    ) -> Vec<Unnumbered<'a>> {
+        let mut unnumbered = Vec::new();
+        // Blocks whose numbers may change get the free ones.
+        for movable in [false, true] {
+            for &block in blocks {
+                let (prefix, name) = frame(block);
+                let (prefix, (numbered, is_movable)) = match self.named_by_file(block) {
+                    Some((prefix, number)) => {
+                        (prefix, (BlockName::Numbered { prefix, number, span: name.span() }, false))
+                    }
+                    None => (prefix, self.numbered(block, prefix, name)),
+                };
+                if is_movable == movable {
+                    self.place(block, (prefix, numbered), movable, used, &mut unnumbered);
+                }
+            }
+        }
+        unnumbered
     }
 
     /// The blocks of the sources; a block without a body that has one elsewhere is dropped.
@@ -386,62 +266,6 @@ impl<'a> Globals<'a> {
         }
     }
 
-    /// What starts an OB that does not state its class. In sources of the TIA Portal its inputs show it; if they do not, it is a program cycle
-    /// OB. `None`: it is in another source, where its number is unknown, or it states a class that does not exist; both are reported.
-    fn unsaid_class(
-        &mut self,
-        block: &ast::Block,
-        name: &str,
-        span: Span,
-        used: &FxHashSet<(BlockPrefix, u32)>,
-    ) -> Option<ObClass> {
-        if !self.input.partial
-            && let ast::Block::Code(code) = block
-            && let Some((None, text)) = class_attribute(&code.header)
-        {
-            self.report.push(unknown_class(text, span).label("it is not known what starts it"));
-            return None;
-        }
-        let message = Diagnostic::new(
-            Code::BlockFrame,
-            span,
-            format!("the number of the organization block `{name}` is unknown"),
-        )
-        .help("write `ORGANIZATION_BLOCK OB 35`, or give the name its number in the symbol table");
-        let tia = match block {
-            ast::Block::Code(code) => {
-                crate::bind::trees::blocks::dialect(code).map_or(self.sources.tia, |of| of == Dialect::Tia)
-            }
-            ast::Block::Data(_) | ast::Block::Type(_) => false,
-        };
-        if !tia && self.input.partial {
-            self.report.push(
-                Diagnostic::new(Code::LeftOut, span, format!("the organization block `{name}` is left out"))
-                    .label("the CPU finds an organization block by its number, which no source states")
-                    .help("give the name its number in a symbol table, or write `ORGANIZATION_BLOCK OB 35`"),
-            );
-            return None;
-        }
-        if !tia {
-            self.report.push(message.label("the CPU finds an organization block by its number"));
-            return None;
-        }
-        // A class without free numbers has one block.
-        let has_number = |class: &ObClass| {
-            let row = class.row();
-            row.free || !used.contains(&(BlockPrefix::Ob, u32::from(row.numbers.0)))
-        };
-        if let Some(class) = class_of_inputs(block).filter(has_number) {
-            return Some(class);
-        }
-        let mut message = message.label("treated as a program cycle OB, as the TIA Portal does").help(
-            "state what starts it: `{ S7_EventClass := 'CyclicInterrupt' }`, or give its number in the symbol table",
-        );
-        message.severity = Severity::Warning;
-        self.report.push(message);
-        Some(ObClass::ProgramCycle)
-    }
-
     /// The number that a block states, unless a symbol table gives its name one; also whether it may change.
     fn numbered(&self, block: &ast::Block, prefix: BlockPrefix, name: &BlockName) -> (BlockName, bool) {
         match name {
@@ -461,42 +285,6 @@ impl<'a> Globals<'a> {
         let (_, source) = self.input.sources.files().nth(code.span.file.0 as usize)?;
         let stem = std::path::Path::new(&source.name).file_stem()?.to_string_lossy();
         block_of_file(&stem)
-    }
-
-    fn collect_tables(&mut self) {
-        let rows: usize = self.input.tables.iter().map(|table| table.symbols.len()).sum();
-        self.names.symbols.reserve(rows);
-        for symbol in self.input.tables.iter().flat_map(|table| &table.symbols) {
-            let ty = Elementary::from_word(&symbol.ty.to_ascii_uppercase());
-            if let Some(fault) = ty.and_then(|ty| type_fault(symbol, ty)) {
-                self.report.push(fault);
-            }
-            let structure = ty.is_none().then(|| symbol.ty.trim().trim_matches('"').to_string());
-            let structure = structure.filter(|name| !name.is_empty());
-            let target = target_of(symbol, ty);
-            let (name, external) = (symbol.name.clone(), symbol.external);
-            let global = Global { name, target, ty, structure, external, span: symbol.span };
-            match self.names.symbols.entry(fold(&symbol.name)) {
-                std::collections::hash_map::Entry::Vacant(entry) => {
-                    entry.insert(global);
-                }
-                std::collections::hash_map::Entry::Occupied(entry) => {
-                    if entry.get().target != target {
-                        let first = entry.get().span;
-                        self.report.push(
-                            Diagnostic::new(
-                                Code::DuplicateName,
-                                symbol.span,
-                                format!("the symbol `{}` has two addresses", symbol.name),
-                            )
-                            .label("the second address")
-                            .also(first, "the first address, which is used")
-                            .help("remove one of the two rows"),
-                        );
-                    }
-                }
-            }
-        }
     }
 
     /// The advice about two definitions: plcc does not guess which version of a block counts.
