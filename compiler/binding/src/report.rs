@@ -23,7 +23,7 @@ pub use meant::{bit_without_number, hexadecimal, known_type};
 /// Up to this number, a block number alone does not point to a library block.
 const LOW_NUMBERS: u16 = 40;
 
-/// For how many missing names a similar one is searched.
+/// For how many missing names a similar one is looked for.
 const SEARCHES_MAX: usize = 200;
 
 /// The messages so far.
@@ -32,7 +32,7 @@ pub struct Report {
     missing: Vec<Missing>,
     index: FxHashMap<MissingKey, usize>,
     partial: bool,
-    /// How often similar names were searched.
+    /// How often a similar name was looked for.
     searches: usize,
     /// Data blocks whose number no source states.
     pub unnumbered_dbs: Vec<String>,
@@ -74,6 +74,7 @@ struct Missing {
 }
 
 impl Report {
+    /// No messages yet. `partial`: see [`Report::partial`].
     pub fn new(partial: bool) -> Report {
         Report {
             diagnostics: Vec::new(),
@@ -86,7 +87,7 @@ impl Report {
         }
     }
 
-    /// The program is a part of one: what is undefined may be in the rest.
+    /// The sources are a part of a program: what is undefined may be in the rest.
     pub fn partial(&self) -> bool {
         self.partial
     }
@@ -96,6 +97,7 @@ impl Report {
         self.missing.is_empty() && !self.diagnostics.iter().any(Diagnostic::is_error)
     }
 
+    /// Adds a message.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }
@@ -118,7 +120,7 @@ impl Report {
         }
     }
 
-    /// Whether to search a name that resembles one that is missing; false: that has been done often enough.
+    /// Whether to look for a name that resembles a missing one; false: that has been done often enough.
     pub fn may_search(&mut self) -> bool {
         self.searches += 1;
         self.searches <= SEARCHES_MAX
@@ -326,6 +328,7 @@ impl Report {
         });
     }
 
+    /// A block to call that nothing defines.
     pub fn missing_block(&mut self, prefix: BlockPrefix, number: u16, span: Span) {
         self.missing(MissingKey::Block(prefix, number), span, || {
             let name = format!("{} {number}", prefix.letters());

@@ -31,6 +31,7 @@ const PREFIXES: [BlockPrefix; 6] =
     [BlockPrefix::Udt, BlockPrefix::Fc, BlockPrefix::Fb, BlockPrefix::Sfc, BlockPrefix::Sfb, BlockPrefix::Db];
 
 impl Missing {
+    /// A name in any letter case.
     pub fn name(name: &str) -> Missing {
         Missing::Name(fold(name))
     }
@@ -58,6 +59,7 @@ pub struct Whole {
 }
 
 impl Whole {
+    /// These sources as the input of a binder. `file`: the one with the stand-ins.
     pub fn as_input<'a>(&'a self, input: &BindInput<'a>, file: FileId) -> BindInput<'a> {
         BindInput {
             name: input.name.clone(),

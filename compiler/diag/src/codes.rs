@@ -17,6 +17,7 @@ macro_rules! codes {
         pub enum Code { $( #[doc = $title] $variant ),* }
 
         impl Code {
+            /// All codes, in the order of the table.
             pub const ALL: &'static [Code] = &[ $(Code::$variant),* ];
 
             /// `P0203`.
@@ -29,6 +30,7 @@ macro_rules! codes {
                 match self { $(Code::$variant => $title),* }
             }
 
+            /// Severity of its messages, unless a message overrides it.
             pub const fn severity(self) -> Severity {
                 match self { $(Code::$variant => Severity::$severity),* }
             }

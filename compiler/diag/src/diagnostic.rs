@@ -80,6 +80,7 @@ impl Diagnostic {
         self
     }
 
+    /// True of an error, false of a warning.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
     }

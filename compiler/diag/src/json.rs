@@ -30,7 +30,8 @@ struct Place<'a> {
     label: &'a str,
 }
 
-/// `diagnostics` as JSON objects, one per line. If there are too many, the last object has their number and no place.
+/// `diagnostics` as JSON objects, one per line. Of more than [`SHOWN_MAX`](crate::SHOWN_MAX), the last object has the number of the
+/// others, and no place.
 pub fn lines(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     let (shown, omitted) = crate::shown(diagnostics);
     let mut lines: String = shown.into_iter().map(|diagnostic| line(diagnostic, sources) + "\n").collect();

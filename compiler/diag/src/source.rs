@@ -15,6 +15,7 @@ pub struct Span {
 }
 
 impl Span {
+    /// The bytes `range` of a file.
     pub fn new(file: FileId, range: Range<usize>) -> Span {
         Span { file, start: range.start as u32, end: range.end as u32 }
     }
@@ -24,6 +25,7 @@ impl Span {
         Span { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 
+    /// The bytes in the text of the file.
     pub fn range(self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
@@ -43,6 +45,7 @@ pub struct SourceFile {
 }
 
 impl SourceFile {
+    /// A file with its path and its decoded text.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> SourceFile {
         let text = text.into();
         let line_starts = std::iter::once(0)
@@ -78,6 +81,7 @@ impl SourceFile {
         start..self.line_starts.get(line as usize).map_or(self.text.len(), |&next| next as usize)
     }
 
+    /// Number of lines; a line break at the end begins another, empty line.
     pub fn line_count(&self) -> u32 {
         self.line_starts.len() as u32
     }
@@ -90,20 +94,23 @@ pub struct SourceMap {
 }
 
 impl SourceMap {
+    /// Adds a file; returns its name in spans.
     pub fn add(&mut self, file: SourceFile) -> FileId {
         self.files.push(file);
         FileId(self.files.len() as u32 - 1)
     }
 
+    /// The file that `id` names. Panics if it is of another map.
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[id.0 as usize]
     }
 
+    /// All files, in the order in which they were added.
     pub fn files(&self) -> impl Iterator<Item = (FileId, &SourceFile)> {
         self.files.iter().enumerate().map(|(index, file)| (FileId(index as u32), file))
     }
 
-    /// Text that `span` covers.
+    /// Text that `span` covers. Panics if it is not a span of this map.
     pub fn text(&self, span: Span) -> &str {
         &self.file(span.file).text[span.range()]
     }

@@ -35,6 +35,7 @@ impl Lists {
 }
 
 impl ControlFlow {
+    /// The control flow of `function` as it is at this moment.
     pub fn new(function: &Function) -> ControlFlow {
         let successors = successor_lists(function);
         let rpo = postorder_reversed(function, &successors);
@@ -88,7 +89,7 @@ pub fn has_loops(function: &Function) -> bool {
     leads_back
 }
 
-/// The blocks that a path leads to from the entry: what [`ControlFlow::is_reachable`] says, for a third of the time.
+/// The blocks that a path leads to from the entry: what [`ControlFlow::is_reachable`] says, in a third of the time.
 pub fn reachable(function: &Function) -> EntityVec<Block, bool> {
     let mut seen = EntityVec::filled(false, function.blocks.len());
     let mut waiting = Vec::new();
@@ -120,7 +121,7 @@ fn successor_lists(function: &Function) -> Lists {
     lists
 }
 
-/// Reachable blocks; each is before the blocks that it dominates. What [`ControlFlow::rpo`] is, for half of the time.
+/// Reachable blocks; each is before the blocks that it dominates. The same as [`ControlFlow::rpo`], in half the time.
 pub fn reverse_postorder(function: &Function) -> Vec<Block> {
     postorder_reversed(function, &successor_lists(function))
 }
@@ -184,6 +185,7 @@ pub struct Dominators {
 }
 
 impl Dominators {
+    /// The dominators of `function`; `cfg` is its control flow.
     pub fn new(function: &Function, cfg: &ControlFlow) -> Dominators {
         let immediate = immediate_dominators(cfg);
         let mut idom = EntityVec::filled(None, function.blocks.len());

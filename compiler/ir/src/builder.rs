@@ -86,10 +86,12 @@ impl FunctionBuilder {
         self.function
     }
 
+    /// The function as built so far.
     pub fn function(&self) -> &Function {
         &self.function
     }
 
+    /// Bytes of L stack that a call of the function takes, a multiple of [`plcc_abi::layout::FRAME_ALIGN`].
     pub fn set_frame_bytes(&mut self, bytes: u32) {
         self.function.frame_bytes = bytes;
     }

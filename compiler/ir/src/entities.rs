@@ -65,11 +65,12 @@ pub struct EntityVec<K, V> {
 }
 
 impl<K: Entity, V> EntityVec<K, V> {
+    /// An empty vector.
     pub fn new() -> Self {
         EntityVec { items: Vec::new(), key: PhantomData }
     }
 
-    /// With `len` times `value`.
+    /// `len` copies of `value`.
     pub fn filled(value: V, len: usize) -> Self
     where
         V: Clone,
@@ -77,7 +78,7 @@ impl<K: Entity, V> EntityVec<K, V> {
         EntityVec { items: vec![value; len], key: PhantomData }
     }
 
-    /// Without values, and with room for `len` of them.
+    /// An empty vector with room for `len` values.
     pub fn with_capacity(len: usize) -> Self {
         EntityVec { items: Vec::with_capacity(len), key: PhantomData }
     }
@@ -90,7 +91,7 @@ impl<K: Entity, V> EntityVec<K, V> {
         key
     }
 
-    /// Gives back memory that has been kept for more values.
+    /// Gives back memory that was reserved for more values.
     pub fn shrink_to_fit(&mut self) {
         self.items.shrink_to_fit();
     }

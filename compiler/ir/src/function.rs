@@ -15,12 +15,14 @@ pub enum ValueDef {
     Alias(Value),
 }
 
+/// Type and definition of a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ValueData {
     pub ty: Type,
     pub def: ValueDef,
 }
 
+/// A basic block.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct BlockData {
     pub params: Vec<Value>,
@@ -29,7 +31,7 @@ pub struct BlockData {
     pub cold: bool,
 }
 
-/// The results of an instruction. Hardly ever there is more than one, except of calls: a single one needs no allocation.
+/// The results of an instruction. Hardly any but calls have more than one; a single one needs no allocation.
 #[derive(Clone, Debug, Default)]
 pub enum Results {
     #[default]
@@ -199,12 +201,14 @@ impl Function {
         self.blocks[self.entry()].params.iter().map(|&param| self.values[param].ty)
     }
 
+    /// Adds an empty block at the end of the layout.
     pub fn add_block(&mut self) -> Block {
         let block = self.blocks.push(BlockData::default());
         self.layout.push(block);
         block
     }
 
+    /// Appends a parameter to `block`.
     pub fn add_param(&mut self, block: Block, ty: Type) -> Value {
         let index = self.blocks[block].params.len() as u32;
         let value = self.values.push(ValueData { ty, def: ValueDef::Param(block, index) });
@@ -238,7 +242,7 @@ impl Function {
         std::mem::replace(self, head)
     }
 
-    /// Gives back memory that has been kept for more instructions: a third of what a function takes that has just been made.
+    /// Gives back memory that was reserved for more instructions: a third of what a function takes after it has been built.
     pub fn shrink_to_fit(&mut self) {
         self.layout.shrink_to_fit();
         self.blocks.shrink_to_fit();
@@ -258,6 +262,7 @@ impl Function {
         self.results[inst][0]
     }
 
+    /// Type of `value`.
     #[inline]
     pub fn ty(&self, value: Value) -> Type {
         self.values[value].ty

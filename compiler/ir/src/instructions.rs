@@ -156,7 +156,7 @@ pub enum Region {
     V,
     /// A DB known at compile time, by number.
     Db(u16),
-    /// Some DB: the address' `base` is an offset from the memory base that is in a DB.
+    /// Some DB: `base` of the address is an offset from the memory base, and lies in a DB.
     AnyDb,
     /// Anywhere in PLC memory: `base` is an offset from the memory base.
     Any,
@@ -331,11 +331,11 @@ pub enum InstData {
     },
 }
 
-/// What an instruction works on. Passes go by it to see which instructions concern them.
+/// What an instruction works on: passes decide by it which instructions concern them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     Constant,
-    /// Computes a value of other values.
+    /// Computes a value from other values.
     Value,
     /// Says where something is; does not read it.
     Address,
@@ -345,7 +345,7 @@ pub enum Class {
     Call,
     /// A terminator that goes one of several ways.
     Choice,
-    /// A terminator with one way.
+    /// A terminator that goes one way, or returns.
     Exit,
 }
 

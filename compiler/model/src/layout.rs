@@ -77,7 +77,7 @@ pub fn bytes(ty: &DataType) -> u32 {
 }
 
 /// Bits from the beginning of a variable to the end of its last component, without padding. An odd number of bytes, which an
-/// an array or structure rounds up, counts as it is.
+/// array or structure rounds up, counts as it is.
 pub fn used_bits(ty: &DataType) -> u32 {
     let after = |byte: u32, bit: u8, ty: &DataType| 8 * byte + u32::from(bit) + used_bits(ty);
     match ty {

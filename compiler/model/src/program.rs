@@ -49,10 +49,12 @@ pub struct Program {
 }
 
 impl Program {
+    /// The block with code that `key` names; `None`: the program does not have it.
     pub fn block(&self, key: BlockKey) -> Option<&CodeBlock> {
         self.blocks.binary_search_by_key(&key, CodeBlock::key).ok().map(|index| &self.blocks[index])
     }
 
+    /// Data block `number`; `None`: the program does not have it.
     pub fn db(&self, number: u16) -> Option<&DataBlock> {
         self.dbs.binary_search_by_key(&number, |db| db.number).ok().map(|index| &self.dbs[index])
     }
@@ -111,11 +113,12 @@ pub struct CodeBlock {
 }
 
 impl CodeBlock {
+    /// Kind and number.
     pub fn key(&self) -> BlockKey {
         BlockKey { kind: self.kind, number: self.number }
     }
 
-    /// True if this bit of the instance is a BOOL of a block of the library that shares its byte with nothing: the other bits mean nothing.
+    /// True if this bit of the instance belongs to a library block and is a BOOL that has its byte to itself: the other bits mean nothing.
     pub fn is_alone(&self, byte: u32, bit: u8) -> bool {
         let mut there = self.interface.instance.iter().filter(|member| member.byte == byte);
         let is_bool = |member: &Member| matches!(member.ty, DataType::Elementary(Elementary::Bool));

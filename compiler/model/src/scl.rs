@@ -1,6 +1,8 @@
 //! Bound SCL: a typed tree. Every name and address is settled, every expression has its final type, and implicit conversions are
 //! separate nodes.
 //!
+//! "The bit" is OK of the block, which the TIA Portal calls ENO.
+//!
 //! - Here: statements, expressions, and values that are not elementary.
 //! - `access`: places in memory; `operator`: operators, conversions and functions; `call`: calls. [`walk`] walks over the tree.
 
@@ -26,7 +28,7 @@ pub struct SclBody {
     pub sets_flag: bool,
     /// A call ANDs the callee's ENO into the bit, if `sets_flag` (TIA); otherwise it does not change the bit (classic).
     pub calls_set_flag: bool,
-    /// STRING and WSTRING variables in VAR_TEMP, also inside of structures and arrays: their headers are set when the block begins.
+    /// STRING and WSTRING variables in VAR_TEMP, also inside structures and arrays: their headers are set when the block begins.
     pub temporary_texts: Vec<TemporaryText>,
     /// For a block in LAD or FBD: where its networks begin in the source, in order.
     pub networks: Vec<u32>,
@@ -46,20 +48,22 @@ impl SclBody {
 /// A text in the frame of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TemporaryText {
-    /// In the frame.
+    /// Address in the frame.
     pub byte: u32,
     /// In characters.
     pub maximum: u16,
     pub wide: bool,
 }
 
+/// A statement.
 #[derive(Clone, Debug)]
 pub struct Statement {
     pub kind: StatementKind,
-    /// The text for messages at run time and debuggers: for compound statements the first line.
+    /// The text for messages at run time and for debuggers; of a compound statement the first line.
     pub span: Span,
 }
 
+/// What a statement does.
 #[derive(Clone, Debug)]
 pub enum StatementKind {
     /// Elementary; `value` has the type of `target`.
@@ -147,6 +151,7 @@ pub struct Expr {
     pub span: Span,
 }
 
+/// How a value is computed.
 #[derive(Clone, Debug)]
 pub enum ExprKind {
     /// The value's bits, zero-extended from the width of the type.

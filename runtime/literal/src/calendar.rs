@@ -24,6 +24,7 @@ impl Date {
         Some(Date { year, month, day })
     }
 
+    /// Whether the calendar has this day.
     pub fn exists(self) -> bool {
         (1..=12).contains(&self.month) && (1..=days_of_month(self.year, self.month)).contains(&self.day)
     }
@@ -58,16 +59,17 @@ impl Clock {
         Some(Clock { hour, minute, second, ns })
     }
 
+    /// Whether a day has this time.
     pub fn exists(self) -> bool {
         self.hour < 24 && self.minute < 60 && self.second < 60
     }
 
-    /// Since midnight; parts of a millisecond are cut off.
+    /// Milliseconds since midnight, of a time that exists; parts of a millisecond are cut off.
     pub fn milliseconds(self) -> u32 {
         ((self.hour * 60 + self.minute) * 60 + self.second) * 1000 + self.ns / 1_000_000
     }
 
-    /// Since midnight.
+    /// Nanoseconds since midnight, of a time that exists.
     pub fn nanoseconds(self) -> u64 {
         u64::from((self.hour * 60 + self.minute) * 60 + self.second) * 1_000_000_000 + u64::from(self.ns)
     }

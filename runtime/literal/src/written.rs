@@ -1,10 +1,10 @@
 //! Durations, dates and times of day as text, which reads back to the same value.
 
-/// From 1970-01-01 to 1990-01-01.
+/// Days from 1970-01-01 to 1990-01-01.
 pub const DAYS_TO_1990: i64 = 7305;
 const NS_PER_DAY: i64 = 86_400_000_000_000;
 
-/// `1D2H3M4S5MS`, of nanoseconds.
+/// `1D2H3M4S5MS`, for a duration in nanoseconds.
 pub fn duration(ns: i128) -> String {
     let units: [(i128, &str); 7] = [
         (86_400_000_000_000, "D"),
@@ -29,7 +29,7 @@ pub fn duration(ns: i128) -> String {
     text
 }
 
-/// `1990-01-01`, of days since 1970-01-01. Source: chrono-Compatible Low-Level Date Algorithms.
+/// `1990-01-01`, for the number of days since 1970-01-01. Source: chrono-Compatible Low-Level Date Algorithms.
 pub fn date(days: i64) -> String {
     let shifted = days + 719_468;
     let era = shifted.div_euclid(146_097);
@@ -43,7 +43,7 @@ pub fn date(days: i64) -> String {
     format!("{year}-{month:02}-{day:02}")
 }
 
-/// `05:45:00.123`, of nanoseconds since midnight.
+/// `05:45:00.123`, for nanoseconds since midnight.
 pub fn time_of_day(ns: u64) -> String {
     let seconds = ns / 1_000_000_000;
     let mut text = format!("{:02}:{:02}:{:02}", seconds / 3_600, seconds / 60 % 60, seconds % 60);
@@ -55,7 +55,7 @@ pub fn time_of_day(ns: u64) -> String {
     text
 }
 
-/// `2024-02-29-05:45:00`, of nanoseconds since 1970-01-01.
+/// `2024-02-29-05:45:00`, for nanoseconds since 1970-01-01.
 pub fn date_and_time(ns: i64) -> String {
     let (days, rest) = (ns.div_euclid(NS_PER_DAY), ns.rem_euclid(NS_PER_DAY));
     format!("{}-{}", date(days), time_of_day(rest.unsigned_abs()))

@@ -12,6 +12,7 @@ use super::fit;
 /// Why an operator has no value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
+    /// The operator does not take operands of these types.
     Type,
     /// The result does not fit its type.
     Overflow,
@@ -19,6 +20,7 @@ pub enum Fault {
     Zero,
 }
 
+/// The value of an operator with one operand.
 pub fn unary(op: UnaryOp, operand: &Constant) -> Result<Constant, Fault> {
     match (op, operand) {
         (UnaryOp::Plus, _) if is_number(operand) => Ok(operand.clone()),
@@ -40,6 +42,7 @@ pub fn unary(op: UnaryOp, operand: &Constant) -> Result<Constant, Fault> {
     }
 }
 
+/// The value of an operator with two operands.
 pub fn binary(op: BinaryOp, left: &Constant, right: &Constant) -> Result<Constant, Fault> {
     match op {
         BinaryOp::And | BinaryOp::Or | BinaryOp::Xor => bitwise(op, left, right),

@@ -23,7 +23,7 @@ const RENEWED_MAX: usize = 256;
 /// Time of an event that has not happened.
 const NEVER: u32 = u32::MAX;
 
-/// A step from a block to one of those that it cannot be reached without.
+/// A step from a block to one that every path to it passes.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     pub to: Block,
@@ -69,14 +69,17 @@ impl Paths {
         self.nodes[block].end = self.now;
     }
 
+    /// The time, counted in filled blocks.
     pub fn now(&self) -> u32 {
         self.now
     }
 
+    /// True if code was added to `block`.
     pub fn is_entered(&self, block: Block) -> bool {
         self.nodes[block].start != NEVER
     }
 
+    /// The step to the parent; `None`: `block` is a root.
     pub fn parent(&self, block: Block) -> Option<Step> {
         self.nodes[block].parent
     }

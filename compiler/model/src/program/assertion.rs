@@ -33,6 +33,7 @@ pub struct Compared<S> {
     pub value: ComparedValue<S>,
 }
 
+/// Where the value of a side comes from.
 #[derive(Clone, Debug)]
 pub enum ComparedValue<S> {
     Constant(AssertConstant),
@@ -51,6 +52,7 @@ impl<S> Assert<S> {
     }
 }
 
+/// What code supplies for a side.
 #[derive(Clone, Debug)]
 pub enum AssertSide {
     /// Value zero-extended.

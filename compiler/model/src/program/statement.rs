@@ -20,6 +20,7 @@ pub struct StlStatement {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LabelId(pub u32);
 
+/// What a statement of an STL block is.
 #[derive(Clone, Debug)]
 pub enum StlStatementKind {
     /// The next statement can be jumped to.
@@ -28,7 +29,7 @@ pub enum StlStatementKind {
         insn: StlInsn,
         operand: Operand,
     },
-    /// `JL`: `targets` are the labels of the list; the JU statements of the list are no longer separate statements.
+    /// `JL`: `targets` are the labels of the list; the JU statements of the list are not among the statements.
     JumpList {
         targets: Vec<LabelId>,
         default: LabelId,

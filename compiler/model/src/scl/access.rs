@@ -54,6 +54,7 @@ pub enum Base {
     },
 }
 
+/// The memory in which an address is computed.
 #[derive(Clone, Debug)]
 pub enum IndexedArea {
     /// I, Q, M, PI, PQ.
@@ -78,6 +79,7 @@ pub struct Index {
     pub stride: u32,
 }
 
+/// The values that an index may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IndexBounds {
     /// Inclusive.
@@ -85,8 +87,8 @@ pub enum IndexBounds {
     /// A bound of the ARRAY[*] formal `parameter`, in its dimension. Distances of all but the last dimension are multiplied by the lengths of
     /// the later ones; `stride` is that of an element.
     Open { parameter: usize, dimension: u8 },
-    /// Characters of a text, from 1 on. One that the text does not have reads 0 and is not written, without a fault. `length`: how many the
-    /// declaration has; `in_head`: the head of the text, before its first character, may say fewer, as that of a formal.
+    /// Characters of a text, from 1 on. One beyond its end reads 0 and is not written, without a fault. `length`: how many characters the
+    /// text is declared with; `in_head`: its head, before the first character, may say fewer, as for a formal parameter.
     Characters { length: i32, in_head: bool },
 }
 

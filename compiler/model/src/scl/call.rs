@@ -50,13 +50,14 @@ pub enum Actual {
     Variable { access: Access, back: Option<Conversion> },
     /// IN, complex. A text may be longer or shorter than the formal; the rest has the formal's layout.
     Complex(Complex),
-    /// OUT or IN_OUT, complex. also ARRAY[*].
+    /// OUT or IN_OUT, complex; also ARRAY[*].
     Reference(Access),
     /// TIMER, COUNTER, BLOCK_x.
     Number(Number),
     /// POINTER, ANY: the bytes are known.
     PointerBytes(Vec<u8>),
-    /// POINTER, ANY: points at the variable; for an ANY, with bytes 1 to 3. Of an ARRAY[*], `count` is that of one element.
+    /// POINTER, ANY: points at the variable. For an ANY, `type_code` and `count` are its bytes 1 to 3; of an ARRAY[*], `count` is that of
+    /// one element.
     PointerTo { access: Access, type_code: u8, count: u16 },
     /// POINTER, ANY: the structure is at the place.
     PointerCopy(Access),
@@ -106,6 +107,7 @@ pub enum TimerKind {
     OffDelay,
 }
 
+/// A call of a timer function; a parameter that is not supplied is `None`.
 #[derive(Clone, Debug)]
 pub struct TimerCall {
     pub kind: TimerKind,
@@ -122,10 +124,11 @@ pub struct TimerCall {
     pub bi: Option<Access>,
 }
 
+/// A call of a counter function; a parameter that is not supplied is `None`.
 #[derive(Clone, Debug)]
 pub struct CounterCall {
     pub counter: Number,
-    /// Each a BOOL; CU, then CD, then S, then R.
+    /// CU, CD, S and R take effect in this order; each is a BOOL.
     pub up: Option<Expr>,
     pub down: Option<Expr>,
     pub set: Option<Expr>,

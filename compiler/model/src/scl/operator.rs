@@ -1,5 +1,6 @@
 //! Operators, conversions and functions that are computed in place.
 
+/// An operator with one operand; the result has its type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum UnaryOp {
     /// Integers and TIME wrap, floats change sign.
