@@ -3,6 +3,8 @@
 
 use std::collections::HashMap;
 
+use plcc_literal::duration::{self, Fraction, Smallest};
+
 use crate::sheet::{Label, Link, Look, Meaning, Part, Pin, Place, Sheet, Source};
 
 /// The logic of a network: for each net the terms of which it is the OR.
@@ -304,8 +306,15 @@ impl Term {
                     Some(net) => nets.get(net).copied(),
                     None => Some(true),
                 };
-                let number = |text: &str| number(&operand(text).unwrap_or_else(|| text.to_string()), *reading);
-                let result = match (number(left), number(right)) {
+                let text = |key: &str| operand(key).unwrap_or_else(|| key.to_string());
+                let (left, right) = (text(left), text(right));
+                let numbers = match (duration_type(&left), duration_type(&right)) {
+                    (None, None) => (number(&left, *reading), number(&right, *reading)),
+                    // What STL loads of a timer is a number without its time base.
+                    (None, _) | (_, None) => (None, None),
+                    (Some(one), Some(other)) => (nanoseconds(&left, one), nanoseconds(&right, other)),
+                };
+                let result = match numbers {
                     (Some(left), Some(right)) => Some(match sign.as_str() {
                         "=" | "==" => left == right,
                         "<>" => left != right,
@@ -347,6 +356,22 @@ impl Term {
             Term::Unknown => json!(["u"]),
         }
     }
+}
+
+/// The type of a duration: `LT` of `LT#-1us`.
+fn duration_type(text: &str) -> Option<&str> {
+    let (ty, _) = text.split_once('#')?;
+    let is_one_of = ["T", "TIME", "LT", "LTIME", "S5T", "S5TIME"].iter().any(|own| own.eq_ignore_ascii_case(ty));
+    is_one_of.then_some(ty)
+}
+
+/// A duration of a trace or a constant. The CPU compares words of S5TIME as they are, with their time bases, which their texts do not have.
+fn nanoseconds(text: &str, ty: &str) -> Option<f64> {
+    if ty.starts_with(['S', 's']) {
+        return None;
+    }
+    let value = text.get(ty.len() + 1..)?;
+    Some(duration::nanoseconds(value, Smallest::Nanosecond, Fraction::Anywhere).ok()? as f64)
 }
 
 /// A number of a trace or a constant: `-5`, `1_000`, `16#00FF`, `2#101`, `1.5`, `INT#7`; `T#5s` is none. Words in base 16 are
@@ -398,6 +423,34 @@ mod tests {
         };
         assert_eq!(term.json(true), serde_json::json!(["?", null, "<", "MW10", "7", "signed", [10, 20, true]]));
         assert_eq!(term.json(false), serde_json::json!(["?", null, "<", "MW10", "7", "signed"]));
+    }
+
+    #[test]
+    fn durations_are_compared_with_durations() {
+        let result = |left: &str, right: &str| {
+            let term = Term::Compare {
+                flow: None,
+                sign: "<".to_string(),
+                left: left.to_string(),
+                right: right.to_string(),
+                reading: Reading::Signed,
+                told: None,
+            };
+            term.value(&|_| None, &HashMap::new(), &|key| (key == "#t").then(|| "T#80ms".to_string()))
+        };
+        for (left, right, expected) in [
+            ("#t", "T#0.1s", Some(true)),
+            ("T#50MS", "#t", Some(true)),
+            ("TIME#1m_30s", "#t", Some(false)),
+            ("LT#-1us", "#t", Some(true)),
+            ("#t", "LTIME#80ms1ns", Some(true)),
+            ("#t", "100", None),
+            ("16#0050", "T#1s", None),
+            ("#t", "T#x", None),
+            ("S5T#1s", "S5T#2s", None),
+        ] {
+            assert_eq!(result(left, right), expected, "{left} < {right}");
+        }
     }
 
     /// A word with its first bit is below zero as a value, and so must be what it is compared with.

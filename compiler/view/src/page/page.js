@@ -355,8 +355,8 @@ function flow(logic) {
     if (t[0] === "?") {
       const [, net, sign, left, right, reading] = t, a = shown.get(left) ?? left, b = shown.get(right) ?? right, x = number(a, reading), y = number(b, reading);
       const on = net === null ? true : known.get(net) ?? null;
-      // What STL loads of a timer is a number without its time base.
-      if (x === null || y === null || isDuration(a) !== isDuration(b)) return all([on, null]);
+      // What STL loads of a timer is a number without its time base. The CPU compares words of S5TIME with their bases, which texts do not have.
+      if (x === null || y === null || isDuration(a) !== isDuration(b) || /^S5T/i.test(a) || /^S5T/i.test(b)) return all([on, null]);
       return all([on, { "=": x === y, "==": x === y, "<>": x !== y, "<": x < y, "<=": x <= y, ">": x > y, ">=": x >= y }[sign] ?? null]);
     }
     return null;

@@ -159,6 +159,24 @@ fn a_local_bit_that_another_network_reads_is_a_coil() {
     }
 }
 
+/// A trace has a TIME as a duration, and the picture compares it as the slider of the document does.
+#[test]
+fn the_state_of_a_comparison_of_durations_is_drawn() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let source = "DATA_BLOCK DB 1\nSTRUCT\n  t : TIME;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\nFUNCTION FC 1 : VOID\nBEGIN\n\
+                  NETWORK\nL DB1.t; L T#1S; >D; = Q 0.0;\nNETWORK\nL DB1.t; L T#2S; >D; = Q 0.1;\nEND_FUNCTION\n";
+    fs::write(folder.join("time.awl"), source).expect("the folder can be written");
+    fs::write(folder.join("trace.csv"), "cycle,time_ms,DB1.t\n1,10,T#1s500ms\n").expect("the folder can be written");
+    let output = plcc(folder, &["view", "time.awl", "--cpu", "315-2DP", "--state", "trace.csv", "-o", "drawings"]);
+    for (network, flow) in [(1, false), (2, true)] {
+        let picture = fs::read_to_string(folder.join(format!("drawings/FC_1_network_{network}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        assert_eq!(picture.contains("class=\"w off\""), flow, "{picture}");
+        assert!(!picture.contains("class=\"w un\""), "{picture}");
+    }
+}
+
 /// `L C 5` loads the count, another value than the bit that `A C 5` scans. What `L T 5` loads has no time base, so a trace does not tell it.
 #[test]
 fn a_counter_that_is_compared_shows_its_count() {
