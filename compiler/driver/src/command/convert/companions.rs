@@ -85,6 +85,9 @@ fn settings(
     // Sources and tables are now in the folder itself. Only statement lists have mnemonics.
     let keeps_set = args.mnemonics.is_none() && matches!(to, None | Some(ConvertTo::Stl | ConvertTo::Awl));
     let mut text = without_moved(&text, keeps_set);
+    if to == Some(ConvertTo::Plcopen) {
+        text = without_blocks(&text);
+    }
     if let Some(set) = args.mnemonics.filter(|_| matches!(to, Some(ConvertTo::Stl | ConvertTo::Awl))) {
         let set = match set {
             MnemonicsArg::De => "de",
@@ -209,6 +212,19 @@ fn without_moved(text: &str, keeps_set: bool) -> String {
     kept
 }
 
+/// The settings without those of organization blocks: a project in PLCopen XML has tasks with intervals instead.
+fn without_blocks(text: &str) -> String {
+    let mut is_of_block = false;
+    let is_kept = |line: &&str| {
+        let line = line.trim_start();
+        if line.starts_with('[') {
+            is_of_block = line.starts_with("[ob.");
+        }
+        !is_of_block
+    };
+    text.split_inclusive('\n').filter(is_kept).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -222,5 +238,11 @@ mod tests {
         );
         assert_eq!(without_moved(text, false), "# a plant\ncpu = \"315-2DP\"\n[ob.35]\nperiod = \"1s\"\n");
         assert_eq!(without_moved("symbols = []", true), "");
+    }
+
+    #[test]
+    fn settings_of_organization_blocks_are_left_out_of_projects() {
+        let text = "clock_memory = 100\n\n[ob.35]\nperiod = \"50ms\"\n[[module]]\nname = \"DI8\"\n[ob.\"PID_Loop\"]\nphase = \"1ms\"\n";
+        assert_eq!(without_blocks(text), "clock_memory = 100\n\n[[module]]\nname = \"DI8\"\n");
     }
 }

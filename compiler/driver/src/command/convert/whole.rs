@@ -16,7 +16,9 @@ use plcc_syntax::ast::{Block, BlockName, Code, CodeBlock, CodeKind, SourceUnit};
 use plcc_syntax::network::ast::Language as Graphic;
 use plcc_syntax::{scl, stl};
 
-use super::{Converted, bound, exit, has, languages, name_by_files, other_family, remarks, store, whole_blocks};
+use super::{
+    Converted, bound, companions, exit, has, languages, name_by_files, other_family, remarks, store, whole_blocks,
+};
 use crate::cli::{ConvertArgs, ConvertTo};
 use crate::{inputs, pipeline, report};
 
@@ -59,7 +61,12 @@ pub fn plcopen(args: &ConvertArgs) -> u8 {
         report::say(&report::summary(&messages));
         return exit::COMPILE;
     }
-    store(args, Some(ConvertTo::Plcopen.extension()), &files, &[]).err().unwrap_or(exit::OK)
+    // The document has the symbols of the tables.
+    let companions = match companions::of(args, &[], &parsed, Some((ConvertTo::Plcopen, &files))) {
+        Ok(companions) => companions,
+        Err(code) => return code,
+    };
+    store(args, Some(ConvertTo::Plcopen.extension()), &files, &companions).err().unwrap_or(exit::OK)
 }
 
 /// The document of a parsed program, and messages. `program`: the same, bound; without it settings of plc.toml are not known.

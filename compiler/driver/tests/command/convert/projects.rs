@@ -43,6 +43,26 @@ fn projects_without_a_cpu_stay_without_one() {
     }
 }
 
+/// Without them, clock memory would stand still. The document has the intervals of organization blocks.
+#[test]
+fn settings_of_a_program_stay_with_its_project() {
+    let settings = "name = \"lamp\"\ncpu = \"1214C\"\nsources = [\"main.scl\"]\nsymbols = [\"tags.sdf\"]\nclock_memory = 10\n\n\
+                    [ob.35]\nperiod = \"50ms\"\n";
+    let source = "ORGANIZATION_BLOCK \"Main\"\nBEGIN\n  \"Lamp\" := \"Lamp\" OR %M10.0;\nEND_ORGANIZATION_BLOCK\n\
+                  ORGANIZATION_BLOCK \"Cyclic interrupt\"\n{ S7_BlockNumber := '35' }\nBEGIN\n  \"Count\" := \"Count\" + 1;\n\
+                  END_ORGANIZATION_BLOCK\n";
+    let tags = "\"Lamp\",\"Q 4.0\",\"BOOL\",\"\"\n\"Count\",\"MW 20\",\"INT\",\"\"\n";
+    let folder = folder_with(&[("lamp/plc.toml", settings), ("lamp/main.scl", source), ("lamp/tags.sdf", tags)]);
+    done(&folder, &["convert", "lamp", "--to", "plcopen", "-o", "made/"]);
+    assert_eq!(read(&folder, "made/plc.toml"), "name = \"lamp\"\ncpu = \"1214C\"\nclock_memory = 10\n\n");
+    let output = ["lamp", "made"].map(|project| {
+        let run = ["run", project, "--clock", "virtual", "--cycles", "40", "--quiet", "--print", "Q4.0,MW20"];
+        text(&done(&folder, &run).stdout)
+    });
+    assert!(output[0].contains("Q4.0 = 1"), "{output:?}");
+    assert_eq!(output[0], output[1]);
+}
+
 /// Optimized access implies an S7-1500 in XML, and nothing in SCL: both follow the same rules if nothing names a CPU.
 #[test]
 fn optimized_access_names_no_other_cpu() {
