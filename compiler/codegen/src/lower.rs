@@ -5,6 +5,7 @@
 //! wherever it crosses a border: block parameters, calls, returns.
 
 mod calls;
+mod division;
 mod operators;
 
 use cranelift_codegen::ir::condcodes::IntCC;

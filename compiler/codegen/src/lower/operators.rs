@@ -37,6 +37,10 @@ impl Lowering<'_, '_> {
             self.slots[result.index()] = Slot::Swapped(value);
             return Ok(());
         }
+        if let Some(value) = self.divided(op, args[0], args[1])? {
+            self.define(result, value);
+            return Ok(());
+        }
         let [x, y] = [self.value(args[0])?, self.value(args[1])?];
         let ins = self.b.ins();
         let value = match op {

@@ -182,6 +182,11 @@ fn binary(
         BinaryOp::Srem if of_a.is_natural() && constant > 0 && constant.count_ones() == 1 => {
             Some(Change::Shift(BinaryOp::And, a, constant as u64 - 1))
         }
+        // Others by a product, which is right as it is where no number is negative.
+        BinaryOp::Sdiv | BinaryOp::Srem if of_a.is_natural() && constant > 2 && ty.bits() <= 16 => {
+            let op = if op == BinaryOp::Sdiv { BinaryOp::Udiv } else { BinaryOp::Urem };
+            Some(Change::Shift(op, a, constant as u64))
+        }
         _ => None,
     }
 }
