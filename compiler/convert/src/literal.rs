@@ -201,7 +201,8 @@ mod tests {
                 assert_eq!(literal::parse(&written).as_ref(), Ok(&value), "{text} as {written}");
             }
         }
-        let pointers = ["P#M 10.0", "P#I 1.7", "P#DB5.DBX 20.0", "P#DB11.DBX 20.0 INT 10", "P#T 3.0 TIMER 2", "P#C 9.0 COUNTER 1"];
+        let pointers =
+            ["P#M 10.0", "P#I 1.7", "P#DB5.DBX 20.0", "P#DB11.DBX 20.0 INT 10", "P#T 3.0 TIMER 2", "P#C 9.0 COUNTER 1"];
         for text in pointers.into_iter().chain(["DT#1999-12-8-1:2:3.456"]) {
             let value = literal::parse(text).expect(text);
             for set in [Mnemonics::En, Mnemonics::De] {

@@ -366,8 +366,8 @@ impl SclBinder<'_, '_> {
             }
             Overload::Text(node) => {
                 let is_named_so = own.to_ascii_uppercase().ends_with(WIDE);
-                let is_wide = is_named_so
-                    || plcc_stdlib::find_tia(&format!("{own}{WIDE}")).is_some() && self.is_wide(ctx, node?);
+                let is_wide =
+                    is_named_so || plcc_stdlib::find_tia(&format!("{own}{WIDE}")).is_some() && self.is_wide(ctx, node?);
                 if !is_wide {
                     return None;
                 }
@@ -473,12 +473,7 @@ impl SclBinder<'_, '_> {
 
     /// Whether the value of an assignment is a call of an instruction for texts, and goes to a text with room for more characters than
     /// most results have; reports no mistakes.
-    pub(super) fn goes_to_long_text(
-        &mut self,
-        ctx: &mut SclBlock,
-        targets: &[(Node, AssignOp)],
-        value: &Node,
-    ) -> bool {
+    pub(super) fn goes_to_long_text(&mut self, ctx: &mut SclBlock, targets: &[(Node, AssignOp)], value: &Node) -> bool {
         let NodeKind::Call { callee, .. } = &value.kind else { return false };
         let NodeKind::Name(name) = &callee.kind else { return false };
         for_long_texts(name.text.trim()).is_some()
