@@ -4,6 +4,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::process::Command;
 
+use object::read::elf::ProgramHeader as _;
 use object::{LittleEndian, elf};
 use plcc_abi::image::{BlockEntry, BlockKind, Config, Family, Profile, ProgramImage};
 use plcc_abi::{RuntimeFn, Type, linked};
