@@ -6,6 +6,8 @@ use plcc_model::scl::{BinaryOp, CompareOp, Expr, ExprKind, Statement, walk};
 use plcc_syntax::{Class, Elementary};
 use rustc_hash::FxHashSet;
 
+use super::same::calls_block;
+
 /// Reports the conditions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
     walk::statements(list, &mut Conditions { text, told: None, collected: FxHashSet::default(), found });
@@ -53,7 +55,7 @@ impl Comparison {
 }
 
 impl Conditions<'_> {
-    /// The comparisons that `op` joins in `value`.
+    /// The comparisons that `op` joins in `value`. Those before a call, which may change what they compare, are not among them.
     fn collect(&mut self, value: &Expr, op: BinaryOp, list: &mut Vec<Comparison>) {
         match &value.kind {
             ExprKind::Binary { op: inner, left, right } if *inner == op => {
@@ -61,7 +63,8 @@ impl Conditions<'_> {
                 self.collect(left, op, list);
                 self.collect(right, op, list);
             }
-            ExprKind::Compare { op, left, right } => list.extend(self.comparison(*op, left, right, value.span)),
+            ExprKind::Compare { op, left, right } if !calls_block(value) => list.extend(self.comparison(*op, left, right, value.span)),
+            _ if calls_block(value) => list.clear(),
             _ => {}
         }
     }

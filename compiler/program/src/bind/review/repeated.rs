@@ -6,7 +6,7 @@ use plcc_syntax::Elementary;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::branches::may_differ;
-use super::same::comparable_names;
+use super::same::{calls_block, comparable_names};
 
 /// Reports the conditions of a block. `text`: what is written at a place.
 pub fn review(list: &[Statement], text: &dyn Fn(Span) -> String, found: &mut Vec<Diagnostic>) {
@@ -72,6 +72,11 @@ impl walk::Visitor for Conditions<'_> {
         // By what is written: the place, and whether NOT is before it.
         let mut seen: FxHashMap<String, (Span, bool)> = FxHashMap::default();
         for part in parts {
+            // It may change what the parts before it look at.
+            if calls_block(part) {
+                seen.clear();
+                continue;
+            }
             let (inner, negated) = match &part.kind {
                 ExprKind::Unary { op: UnaryOp::Not, operand } => (&**operand, true),
                 _ => (part, false),

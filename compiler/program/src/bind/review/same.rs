@@ -1,6 +1,7 @@
 //! Whether what is written twice in SCL is the same, and has the same value the second time.
 
-use plcc_model::scl::{Expr, ExprKind};
+use plcc_model::scl::walk::{self, Visitor};
+use plcc_model::scl::{Call, Expr, ExprKind};
 
 /// A text without the blanks and the letter case that make no difference. Blanks inside quotes do, and so does the letter case of texts.
 pub fn comparable(text: String) -> String {
@@ -53,4 +54,19 @@ pub fn is_more_than_variables(value: &Expr) -> bool {
             | ExprKind::Flag
             | ExprKind::LastEno
     )
+}
+
+/// Whether a block is called in a value: it may change variables.
+pub fn calls_block(value: &Expr) -> bool {
+    let mut calls = Calls(false);
+    walk::expr(value, &mut calls);
+    calls.0
+}
+
+struct Calls(bool);
+
+impl Visitor for Calls {
+    fn call(&mut self, _call: &Call) {
+        self.0 = true;
+    }
 }
