@@ -194,27 +194,12 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
     let left = left_space.max((outer - inner) / 2 + 4);
     let right = right_space.max((outer - inner) / 2 + 4);
 
-    // Rows.
     let needs = |at: &Option<usize>| {
         let lines = text(at).map_or(0, |lines| lines.height() / 2);
         let room = at.and_then(|at| rooms.get(&at)).copied().unwrap_or_default();
         (lines.max(room.up), lines.max(room.down))
     };
-    let rows = lefts.len().max(rights.len());
-    let mut ys: Vec<i32> = Vec::with_capacity(rows);
-    let (mut up, mut down) = (0, 0);
-    for row in 0..rows {
-        let both = [lefts.get(row), rights.get(row)].map(|at| at.map_or((0, 0), needs));
-        let (above, below) = (both[0].0.max(both[1].0), both[0].1.max(both[1].1));
-        match ys.last() {
-            None => {
-                ys.push(0);
-                up = above;
-            }
-            Some(last) => ys.push(last + PITCH.max(down + above + 4)),
-        }
-        down = below;
-    }
+    let Rows { ys, up, down } = rows(&lefts, &rights, needs);
     let last = ys.last().copied().unwrap_or(0);
     let header = titles.len() as i32 * LINE + if is_sign { 2 } else { 12 };
     let area = Area { x: left, y: -header, w: inner, h: header + last + 12 };
@@ -235,52 +220,93 @@ fn boxed(of: &Part, title: &str, detail: &str, instance: Option<&Label>, rooms: 
         lines.draw(scene, left + inner / 2, bottom, Anchor::Middle);
         bottom += lines.height();
     }
-    let mut end = |scene: &mut Scene, at: usize, y: i32, is_right: bool| {
-        let pin = &of.pins[at];
-        let (edge, stub) = if is_right { (left + inner, left + inner + STUB) } else { (left, left - STUB) };
-        let (wire_edge, towards) = match (pin.negated, is_right) {
-            (false, _) => (edge, 0),
-            (true, true) => (edge + 7, 3),
-            (true, false) => (edge - 7, -4),
-        };
-        let is_flow = Some(at) == of.flow_in || Some(at) == of.flow_out;
-        let net = match &pin.link {
-            Link::Net(net) => Some(*net),
-            Link::Operand(_) | Link::Open => None,
-        };
-        if pin.negated {
-            scene.items.push(crate::scene::Item::Circle { at: (edge + towards, y), net });
-        }
-        let lines = label(pin).map(|label| Lines::all(&label));
-        if net.is_some() || lines.is_some() {
-            let far = match (is_flow && net.is_some(), is_right) {
-                (true, true) => left + inner + right,
-                (true, false) => 0,
-                (false, _) => stub,
-            };
-            let (from, to) = if is_right { (wire_edge, far) } else { (far, wire_edge) };
-            let place = lines.as_ref().and_then(|lines| lines.2);
-            scene.wire_at((from, y), (to, y), net, place);
-            if net.is_some() {
-                shape.ends.insert(at, (far, y));
-            }
-        }
-        if let Some(lines) = lines {
-            let (x, anchor) = if is_right { (stub + 3, Anchor::Start) } else { (stub - 3, Anchor::End) };
-            lines.draw(scene, x, y - lines.height() / 2, anchor);
-        }
-        let (x, anchor) = if is_right { (edge - 4, Anchor::End) } else { (edge + 4, Anchor::Start) };
-        scene.text((x, y + 3), anchor, Ink::Pin, &pin.name, "");
-    };
+    let widths = Widths { left, inner, right };
     for (row, y) in ys.iter().enumerate() {
         if let Some(Some(at)) = lefts.get(row) {
-            end(scene, *at, *y, false);
+            draw_end(&mut shape, of, (*at, *y), false, widths);
         }
         if let Some(Some(at)) = rights.get(row) {
-            end(scene, *at, *y, true);
+            draw_end(&mut shape, of, (*at, *y), true, widths);
         }
     }
     shape.up = (-top + 2).max(up);
     shape.down = (bottom + 2).max(last + down + 2);
     shape
+}
+
+/// The rows of a box, and the room that its first row needs above and its last one below.
+struct Rows {
+    /// Their middles, the first at 0.
+    ys: Vec<i32>,
+    up: i32,
+    down: i32,
+}
+
+/// Lays out the rows of a box. `needs`: the room above and below the middle that a pin takes beside it.
+fn rows(lefts: &[Option<usize>], rights: &[Option<usize>], needs: impl Fn(&Option<usize>) -> (i32, i32)) -> Rows {
+    let count = lefts.len().max(rights.len());
+    let mut ys: Vec<i32> = Vec::with_capacity(count);
+    let (mut up, mut down) = (0, 0);
+    for row in 0..count {
+        let both = [lefts.get(row), rights.get(row)].map(|at| at.map_or((0, 0), &needs));
+        let (above, below) = (both[0].0.max(both[1].0), both[0].1.max(both[1].1));
+        match ys.last() {
+            None => {
+                ys.push(0);
+                up = above;
+            }
+            Some(last) => ys.push(last + PITCH.max(down + above + 4)),
+        }
+        down = below;
+    }
+    Rows { ys, up, down }
+}
+
+/// Widths of a box, and of what is beside it on the left and on the right.
+#[derive(Clone, Copy)]
+struct Widths {
+    left: i32,
+    inner: i32,
+    right: i32,
+}
+
+/// Draws the pin at index `at` of a box, in the row with the middle `y`: its name, its circle if it is negated, its wire and its operand.
+fn draw_end(shape: &mut Shape, of: &Part, (at, y): (usize, i32), is_right: bool, widths: Widths) {
+    let Widths { left, inner, right } = widths;
+    let scene = &mut shape.scene;
+    let pin = &of.pins[at];
+    let (edge, stub) = if is_right { (left + inner, left + inner + STUB) } else { (left, left - STUB) };
+    let (wire_edge, towards) = match (pin.negated, is_right) {
+        (false, _) => (edge, 0),
+        (true, true) => (edge + 7, 3),
+        (true, false) => (edge - 7, -4),
+    };
+    let is_flow = Some(at) == of.flow_in || Some(at) == of.flow_out;
+    let net = match &pin.link {
+        Link::Net(net) => Some(*net),
+        Link::Operand(_) | Link::Open => None,
+    };
+    if pin.negated {
+        scene.items.push(crate::scene::Item::Circle { at: (edge + towards, y), net });
+    }
+    let lines = label(pin).map(|label| Lines::all(&label));
+    if net.is_some() || lines.is_some() {
+        let far = match (is_flow && net.is_some(), is_right) {
+            (true, true) => left + inner + right,
+            (true, false) => 0,
+            (false, _) => stub,
+        };
+        let (from, to) = if is_right { (wire_edge, far) } else { (far, wire_edge) };
+        let place = lines.as_ref().and_then(|lines| lines.2);
+        scene.wire_at((from, y), (to, y), net, place);
+        if net.is_some() {
+            shape.ends.insert(at, (far, y));
+        }
+    }
+    if let Some(lines) = lines {
+        let (x, anchor) = if is_right { (stub + 3, Anchor::Start) } else { (stub - 3, Anchor::End) };
+        lines.draw(scene, x, y - lines.height() / 2, anchor);
+    }
+    let (x, anchor) = if is_right { (edge - 4, Anchor::End) } else { (edge + 4, Anchor::Start) };
+    scene.text((x, y + 3), anchor, Ink::Pin, &pin.name, "");
 }
