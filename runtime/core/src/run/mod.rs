@@ -175,37 +175,15 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
     // A CPU in STOP answers its clients, and one of them may start it again.
     while cpu.is_stopped() && cpu.is_served.get() {
         stop_line(&cpu, options, cycles).iter().for_each(|line| say!("{line}"));
-        let furnished = |cpu: &Cpu| {
-            cpu.memory.show();
-            if let Some(watcher) = &watcher {
-                cpu.set_watcher(watcher.clone());
-            }
-            furnish(cpu, options)
-        };
-        let (kind, mut ready) = loop {
-            match wait_in_stop(&mut cpu, &mut session, options, inbox) {
-                Some(Restart::Reset) => {
-                    cpu = Cpu::after_reset(cpu);
-                    if !options.quiet {
-                        say!("memory reset by a client");
-                    }
-                    let ready = furnished(&cpu);
-                    if ready.is_err() {
-                        break (None, ready);
-                    }
-                }
-                kind => break (kind, Ok(())),
+        let (next, is_started) = match wait_for_start(cpu, &mut session, options, inbox, watcher.as_ref()) {
+            Ok(waited) => waited,
+            Err(message) => {
+                say!("runtime: {message}");
+                return EXIT_USAGE;
             }
         };
-        if let (Some(kind), Ok(())) = (kind, &ready) {
-            cpu = Cpu::restarted(cpu, kind);
-            ready = furnished(&cpu);
-        }
-        if let Err(message) = ready {
-            say!("runtime: {message}");
-            return EXIT_USAGE;
-        }
-        if kind.is_none() {
+        cpu = next;
+        if !is_started {
             break;
         }
         if options.record.is_some() {
@@ -218,6 +196,41 @@ fn run_with(mut image: ProgramImage, code: Rc<dyn Code>, options: &RunOptions, e
         drive(&mut cpu, &pace, &mut session, options, inbox, &mut cycles);
     }
     finish(&cpu, options, session, cycles).max(taped.unwrap_or(EXIT_OK))
+}
+
+/// Lets a CPU in STOP answer its clients until one of them starts it again. Result: the CPU, and whether it was started. `Err`: what it needs
+/// to start is missing.
+fn wait_for_start(
+    mut cpu: Rc<Cpu>,
+    session: &mut Session,
+    options: &RunOptions,
+    inbox: Option<&Inbox>,
+    watcher: Option<&Rc<dyn Watcher>>,
+) -> Result<(Rc<Cpu>, bool), String> {
+    let furnished = |cpu: &Cpu| {
+        cpu.memory.show();
+        if let Some(watcher) = watcher {
+            cpu.set_watcher(watcher.clone());
+        }
+        furnish(cpu, options)
+    };
+    loop {
+        match wait_in_stop(&mut cpu, session, options, inbox) {
+            Some(Restart::Reset) => {
+                cpu = Cpu::after_reset(cpu);
+                if !options.quiet {
+                    say!("memory reset by a client");
+                }
+                furnished(&cpu)?;
+            }
+            Some(kind) => {
+                cpu = Cpu::restarted(cpu, kind);
+                furnished(&cpu)?;
+                return Ok((cpu, true));
+            }
+            None => return Ok((cpu, false)),
+        }
+    }
 }
 
 /// Startup and cycles, also of programs that take the place of the first one, until STOP or the end of the run.
