@@ -16,11 +16,12 @@ use crate::row::clock;
 
 /// Draws everything.
 pub fn draw(model: &Model, frame: &mut Frame) {
+    let lines = rows(self::foot(model), frame.area().width);
     let [head, middle, below, foot] = Layout::vertical([
         Constraint::Length(1),
         Constraint::Min(5),
         Constraint::Percentage(30),
-        Constraint::Length(1),
+        Constraint::Length(lines.len() as u16),
     ])
     .areas(frame.area());
     let [left, right] = Layout::horizontal([Constraint::Percentage(40), Constraint::Percentage(60)]).areas(middle);
@@ -33,7 +34,30 @@ pub fn draw(model: &Model, frame: &mut Frame) {
             diagnostics(model, frame, below);
         }
     }
-    frame.render_widget(Paragraph::new(self::foot(model)), foot);
+    frame.render_widget(Paragraph::new(lines), foot);
+}
+
+/// A line, or the lines that it needs on a narrow screen: what two blanks separate goes below, and what is still too wide word by word.
+fn rows(line: Line<'_>, width: u16) -> Vec<Line<'_>> {
+    let (width, width_of) = (usize::from(width), |text: &str| Span::raw(text).width());
+    if line.width() <= width {
+        return vec![line];
+    }
+    let text = line.to_string();
+    let mut rows: Vec<String> = Vec::new();
+    let mut add = |part: &str, gap: &str| match rows.last_mut() {
+        Some(row) if width_of(row.as_str()) + gap.len() + width_of(part) <= width => row.extend([gap, part]),
+        Some(_) | None => rows.push(part.to_string()),
+    };
+    for part in text.trim().split("  ") {
+        if width_of(part) <= width {
+            add(part, "  ");
+        } else {
+            part.split(' ').for_each(|word| add(word, " "));
+        }
+    }
+    let style = line.spans.first().map_or(Style::new(), |span| span.style);
+    rows.into_iter().map(|row| Line::styled(row, style)).collect()
 }
 
 fn colored(color: Color) -> Style {

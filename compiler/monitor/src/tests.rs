@@ -13,7 +13,11 @@ mod block;
 
 /// The model as text, a line for each line of the screen.
 fn picture(model: &Model) -> String {
-    let mut terminal = Terminal::new(TestBackend::new(96, 18)).expect("a screen in memory");
+    picture_of_width(model, 96)
+}
+
+fn picture_of_width(model: &Model, width: u16) -> String {
+    let mut terminal = Terminal::new(TestBackend::new(width, 18)).expect("a screen in memory");
     terminal.draw(|frame| draw(model, frame)).expect("a screen in memory");
     let buffer = terminal.backend().buffer();
     let line = |y: u16| {
@@ -90,6 +94,19 @@ fn change(name: &str, value: &str, format: Option<&str>) -> Change {
 #[test]
 fn a_cpu_in_run() {
     check("run.txt", &model("change"));
+}
+
+#[test]
+fn a_narrow_screen_has_all_keys_and_the_whole_of_a_message() {
+    let mut model = model("change");
+    let end = |model: &Model, expected: &str| {
+        let picture = picture_of_width(model, 60);
+        assert!(picture.ends_with(expected), "{picture}");
+    };
+    end(&model, "\nTab ↑↓  m: modify  f: force  u: end forcing  d: remove\na: add  S: stop  R: run  q: leave\n");
+    let why = "a value of MW10 that is as long as the messages of the process about wrong values";
+    model.take(Incoming::News(Box::new(News { refused: Some(why.to_string()), ..News::default() })));
+    end(&model, "\na value of MW10 that is as long as the messages of the\nprocess about wrong values\n");
 }
 
 #[test]
