@@ -86,8 +86,11 @@ impl SclBinder<'_, '_> {
                     let (from, wanted) = (layout::type_name(&from), layout::type_name(ty));
                     let help = match from == wanted {
                         true => difference.unwrap_or_else(|| "their components or bounds differ".to_string()),
-                        false => copied.unwrap_or_else(|| {
-                            "name a variable of the same type, or assign the parts one by one".to_string()
+                        false => copied.unwrap_or_else(|| match (from.as_str(), wanted.as_str()) {
+                            ("DTL", "DATE_AND_TIME") => {
+                                "STEP 7 V5 has no DTL: `D_TOD_DT(IN1 := …, IN2 := …)` joins a date and a time of day".to_string()
+                            }
+                            _ => "name a variable of the same type, or assign the parts one by one".to_string(),
                         }),
                     };
                     self.wrong_type(span, &format!("of type {from}"), &wanted, Some(help));
