@@ -74,6 +74,13 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
     let area = &rest[..letters];
     let code = AREAS.iter().find(|(name, _)| name.eq_ignore_ascii_case(area)).map(|(_, code)| *code);
     if code.is_none() && !area.is_empty() {
+        let is_variable = rest.chars().all(|c| c.is_alphanumeric() || c == '_');
+        if db.is_none() && is_variable && meant(text, rest, false).is_none() {
+            let help = format!(
+                "in STL `P##{rest}` is the address of a variable of the block; a constant names an area, as in `P#M 10.0`"
+            );
+            return Err(LiteralError::malformed(text, &format!("`{rest}` is not an area"), help));
+        }
         return Err(malformed(&format!("`{area}` is not an area")));
     }
     let mut words = rest[letters..].split_ascii_whitespace();
