@@ -119,6 +119,12 @@ pub fn in_folder(path: &Path, text: &str, is_source: bool) -> Content {
         Content::Source | Content::Prose if is_source => Content::Source,
         Content::Source | Content::Prose if text.trim().is_empty() => Content::Nothing,
         Content::Source | Content::Prose if is_table_in_no_form(path, text) => Content::SymbolTable,
+        // A data block of Micro/WIN may have symbols and values only.
+        Content::Source | Content::Prose
+            if path.extension().is_some_and(|own| own.eq_ignore_ascii_case("db")) && s7200::is_s7200(text) =>
+        {
+            Content::Source
+        }
         Content::Source | Content::Prose => {
             let signs = Signs::of(text);
             if signs.is_source() {

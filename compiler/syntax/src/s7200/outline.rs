@@ -21,7 +21,7 @@ pub fn is_s7200(text: &str) -> bool {
             Sign::None => {}
         }
     }
-    own > foreign
+    own > foreign || own == 0 && foreign == 0 && is_named_data(text, raw::each_line(text))
 }
 
 /// Whether `text` holds only lines of a data block.
@@ -39,7 +39,50 @@ pub fn is_data(text: &str, lines: &[Vec<RawToken>]) -> bool {
             _ => {}
         }
     }
-    found
+    found || is_named_data(text, lines.iter().cloned())
+}
+
+/// Whether `text` has nothing but lines of a data block whose addresses are symbols: `Setpoint 50`. A single line may be anything.
+fn is_named_data(text: &str, lines: impl Iterator<Item = Vec<RawToken>>) -> bool {
+    let mut named = 0usize;
+    for line in lines {
+        let code = match line.as_slice() {
+            [code @ .., last] if last.kind == RawKind::Comment => code,
+            line => line,
+        };
+        let values = match code {
+            [] => continue,
+            [first, values @ ..] if first.kind == RawKind::Word => {
+                let word = first.text(text).to_ascii_uppercase();
+                let is_known = mnemonics::any(&word, Mnemonics::En).is_some();
+                if is_known || stl::is_mnemonic(&word) || is_frame(&word) || values.is_empty() {
+                    return false;
+                }
+                named += 1;
+                values
+            }
+            values => values,
+        };
+        let fits = |token: &RawToken| is_value(token) || matches!(token.kind, RawKind::Comma | RawKind::Semicolon);
+        if !values.first().is_some_and(is_value) || !values.iter().all(fits) {
+            return false;
+        }
+    }
+    named > 1
+}
+
+/// A constant, or the sign of one.
+fn is_value(token: &RawToken) -> bool {
+    matches!(
+        token.kind,
+        RawKind::Integer
+            | RawKind::Real
+            | RawKind::Based
+            | RawKind::Plus
+            | RawKind::Minus
+            | RawKind::Characters
+            | RawKind::Quoted
+    )
 }
 
 /// What a line indicates.
@@ -113,19 +156,7 @@ fn of_line(text: &str, line: &[RawToken], data: &mut bool) -> Sign {
         let head = code.get(2..).and_then(|rest| mnemonics::head(text, rest));
         return if head.is_some_and(|head| stl::is_mnemonic(&head.mnemonic)) { Sign::Foreign } else { Sign::None };
     }
-    let value = |token: &RawToken| {
-        let kinds = [
-            RawKind::Integer,
-            RawKind::Real,
-            RawKind::Based,
-            RawKind::Plus,
-            RawKind::Minus,
-            RawKind::Characters,
-            RawKind::Quoted,
-        ];
-        kinds.contains(&token.kind)
-    };
-    if is_v(&word) && next.is_some_and(value) {
+    if is_v(&word) && next.is_some_and(is_value) {
         return Sign::Own(if *data { 2 } else { 1 });
     }
     let Some(head) = mnemonics::head(text, code) else { return Sign::None };

@@ -208,6 +208,8 @@ fn the_family_of_a_source_is_found() {
         "Network 1\nLD I0.0\n= Q0.0\n",
         "A I0.0\n= V5.0\n",
         "DATA_BLOCK DB1\nVB0 5\nEND_DATA_BLOCK\n",
+        // A data block whose addresses are symbols.
+        "// page\nSetpoint 50\nLimit -1.5, 16#FF // of it\n 7\n",
         "LD E0.0\nU E0.1\n= A0.0\n",
         // With a slip.
         "LD I0.0\nINC VW0\n",
@@ -229,6 +231,8 @@ fn the_family_of_a_source_is_found() {
         "FOR i := 0 TO 5 DO\n x := 1;\nEND_FOR;\n",
         "L 5\nT MW 2\nSD T 1\nR T 1\n",
         "x := 5;\nEND_IF;\n",
+        "Setpoint 50\n",
+        "Setpoint 50\nLimit is 1.5\n",
         "A I0.0\nJMP m1\nm1: NOP 0\n",
     ] {
         assert!(!super::is_s7200(text), "{text:?}");
