@@ -63,6 +63,12 @@ enum Kind {
     Tag,
 }
 
+/// Addresses that no stand-in has: the next byte of memory, and the numbers below which timers and counters are free.
+struct Free {
+    byte: u32,
+    cells: [u32; 2],
+}
+
 /// Writes stand-ins for missing names.
 pub struct Writer<'e> {
     pub evidence: &'e Evidence,
@@ -78,10 +84,10 @@ pub struct Writer<'e> {
 }
 
 impl Writer<'_> {
+    /// The stand-ins for all names that need one, in the order of the evidence.
     pub fn write(&self) -> StandIns {
         let mut stand_ins = StandIns::default();
-        let mut byte = MEMORY_START;
-        let mut next_cell = self.cells;
+        let mut free = Free { byte: MEMORY_START, cells: self.cells };
         for (missing, shape) in &self.evidence.things {
             if self.refused.contains(missing) || !shape.is_declared(self.guess) {
                 continue;
@@ -102,74 +108,8 @@ impl Writer<'_> {
             if matches!(kind, Kind::Tag) && !shape.is_declared(self.guess) {
                 continue;
             }
-            let what = match kind {
-                Kind::Constant => {
-                    let count = stand_ins.table.constants.len() as i64;
-                    let value = if shape.is_lower { 1 + count % (FIRST_CONSTANT - 1) } else { FIRST_CONSTANT + count };
-                    let (constant, text) = constant(shape, value, span);
-                    stand_ins.table.constants.push(constant);
-                    format!("a constant of the value {text}")
-                }
-                Kind::Type => {
-                    let block = ast::TypeBlock {
-                        name,
-                        header: Header::default(),
-                        members: members(shape, span),
-                        alias: (shape.members.is_empty() && shape.elements.is_some()).then(|| type_of(shape, span)),
-                        span,
-                    };
-                    stand_ins.blocks.push(Block::Type(block));
-                    format!("a structure of {}", components(shape.members.len()))
-                }
-                Kind::Function | Kind::FunctionBlock => {
-                    let fb = matches!(kind, Kind::FunctionBlock);
-                    let mut block = code_block(name, shape, fb, span);
-                    let mut what = "a stub that does nothing".to_string();
-                    if let Some(outline) = outline {
-                        described(&mut block, outline);
-                        what = "a stub that does nothing, with the interface of its calls".to_string();
-                    }
-                    stand_ins.blocks.push(Block::Code(block));
-                    what
-                }
-                Kind::Instance => {
-                    let of = match &shape.of {
-                        Some(of) => self.block_name(of, span),
-                        None => {
-                            // Called by its own name, and with components: the function block is not known at all.
-                            let text = format!("{} (function block)", shape.name);
-                            let name = BlockName::Symbol { name: text, span };
-                            stand_ins.blocks.push(Block::Code(code_block(name.clone(), shape, true, span)));
-                            name
-                        }
-                    };
-                    let ty = TypeRef { kind: TypeKind::Block(of), span };
-                    stand_ins.blocks.push(data_block(name, DataContent::OfType(ty), span));
-                    match shape.of.as_ref().and_then(Missing::numbered) {
-                        Some((BlockPrefix::Udt, number)) => format!("a data block of type UDT {number}"),
-                        _ => "an instance data block".to_string(),
-                    }
-                }
-                Kind::DataBlock => {
-                    let (content, what) = content(shape, span);
-                    stand_ins.blocks.push(data_block(name, content, span));
-                    what
-                }
-                Kind::Cell(kind) => {
-                    let (at, word) = if kind == CellKind::Timer { (0, "timer") } else { (1, "counter") };
-                    let free = (0..next_cell[at]).rev().find(|number| !self.used_cells.contains(&(kind, *number)));
-                    let Some(number) = free else { continue };
-                    next_cell[at] = number;
-                    let target = SymbolTarget::Cell { kind, number };
-                    stand_ins.table.symbols.push(symbol(&shape.name, target, word.to_ascii_uppercase(), span));
-                    let letter = if kind == CellKind::Timer { "T" } else { "C" };
-                    format!("a substitute {word} ({letter} {number})")
-                }
-                Kind::Tag => {
-                    let Some(what) = self.tag(shape, span, &mut byte, &mut stand_ins) else { continue };
-                    what
-                }
-            };
+            let what = self.stand_in(kind, shape, (name, outline), span, &mut free, &mut stand_ins);
+            let Some(what) = what else { continue };
             let name = match missing.numbered() {
                 Some((prefix, number)) => format!("{} {number}", prefix.letters()),
                 None => format!("`{}`", shape.name),
@@ -177,6 +117,84 @@ impl Writer<'_> {
             stand_ins.lines.push(Line { missing: missing.clone(), name, what });
         }
         stand_ins
+    }
+
+    /// Adds the declaration that stands in for a name; returns what it is. `None`: no number or address is free. `outline`: the interface as
+    /// calls describe it.
+    fn stand_in(
+        &self,
+        kind: Kind,
+        shape: &Shape,
+        (name, outline): (BlockName, Option<&ast::CodeBlock>),
+        span: Span,
+        free: &mut Free,
+        stand_ins: &mut StandIns,
+    ) -> Option<String> {
+        Some(match kind {
+            Kind::Constant => {
+                let count = stand_ins.table.constants.len() as i64;
+                let value = if shape.is_lower { 1 + count % (FIRST_CONSTANT - 1) } else { FIRST_CONSTANT + count };
+                let (constant, text) = constant(shape, value, span);
+                stand_ins.table.constants.push(constant);
+                format!("a constant of the value {text}")
+            }
+            Kind::Type => {
+                let block = ast::TypeBlock {
+                    name,
+                    header: Header::default(),
+                    members: members(shape, span),
+                    alias: (shape.members.is_empty() && shape.elements.is_some()).then(|| type_of(shape, span)),
+                    span,
+                };
+                stand_ins.blocks.push(Block::Type(block));
+                format!("a structure of {}", components(shape.members.len()))
+            }
+            Kind::Function | Kind::FunctionBlock => {
+                let fb = matches!(kind, Kind::FunctionBlock);
+                let mut block = code_block(name, shape, fb, span);
+                let mut what = "a stub that does nothing".to_string();
+                if let Some(outline) = outline {
+                    described(&mut block, outline);
+                    what = "a stub that does nothing, with the interface of its calls".to_string();
+                }
+                stand_ins.blocks.push(Block::Code(block));
+                what
+            }
+            Kind::Instance => {
+                let of = match &shape.of {
+                    Some(of) => self.block_name(of, span),
+                    None => {
+                        // Called by its own name, and with components: the function block is not known at all.
+                        let text = format!("{} (function block)", shape.name);
+                        let name = BlockName::Symbol { name: text, span };
+                        stand_ins.blocks.push(Block::Code(code_block(name.clone(), shape, true, span)));
+                        name
+                    }
+                };
+                let ty = TypeRef { kind: TypeKind::Block(of), span };
+                stand_ins.blocks.push(data_block(name, DataContent::OfType(ty), span));
+                match shape.of.as_ref().and_then(Missing::numbered) {
+                    Some((BlockPrefix::Udt, number)) => format!("a data block of type UDT {number}"),
+                    _ => "an instance data block".to_string(),
+                }
+            }
+            Kind::DataBlock => {
+                let (content, what) = content(shape, span);
+                stand_ins.blocks.push(data_block(name, content, span));
+                what
+            }
+            Kind::Cell(kind) => {
+                let (at, word) = if kind == CellKind::Timer { (0, "timer") } else { (1, "counter") };
+                let is_free = |number: &u32| !self.used_cells.contains(&(kind, *number));
+                let number = (0..free.cells[at]).rev().find(is_free)?;
+                free.cells[at] = number;
+                let target = SymbolTarget::Cell { kind, number };
+                stand_ins.table.symbols.push(symbol(&shape.name, target, word.to_ascii_uppercase(), span));
+                let letter = if kind == CellKind::Timer { "T" } else { "C" };
+                format!("a substitute {word} ({letter} {number})")
+            }
+            Kind::Tag => self.tag(shape, span, &mut free.byte, stand_ins)?,
+        })
     }
 
     /// A function block, with the components that are used of its instance data blocks, too.
