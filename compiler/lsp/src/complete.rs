@@ -1,45 +1,31 @@
-//! What can be written at a place, and the parameters of the call around it.
+//! What can be written at a place, and the parameters of the call around it. `language` has what each language has.
 
-use std::collections::HashSet;
+mod language;
+
 use std::ops::Range;
 
 use lsp_types::{
     CompletionItem, CompletionItemKind, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation,
 };
 use plcc_diag::FileId;
-use plcc_syntax::ast::{Block, BlockName, BlockPrefix};
-use plcc_syntax::network::elements::{self, PinDirection, PinRow};
-use plcc_syntax::scl::keyword::Keyword;
-use plcc_syntax::stl::{Mnemonics, OperandClass, StlInsn};
-use plcc_syntax::symbols::{Symbol, SymbolTarget};
-use plcc_syntax::{Elementary, Language, s7200};
+use plcc_syntax::ast::{Block, BlockName};
+use plcc_syntax::stl::Mnemonics;
+use plcc_syntax::symbols::Symbol;
+use plcc_syntax::{Elementary, Language};
 
-use crate::chart::{self, Component, Part};
+use crate::chart::Component;
 use crate::constants::{self, Constant};
 use crate::facts::{FunctionFacts, ParameterFacts};
 use crate::index::{Declared, Entry, Index};
-use crate::labels;
 use crate::names::{Meaning, along, callee_around, open_bracket, part_before, values_before};
 use crate::network;
-use crate::role::in_rung;
 use crate::words::{Words, bare, is_name};
-
-/// Words of SCL that the grammar reads as lines of their own.
-const REGION: [&str; 2] = ["REGION", "END_REGION"];
+use language::{Place, of_language};
 
 /// The items at a byte.
 pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mnemonics) -> Vec<CompletionItem> {
     let next = words.before(byte);
-    // Nothing is proposed in comments and texts.
-    let around = next.checked_sub(1).map(|at| (words.word(at), words.range(at).end));
-    let is_open = |(word, end): (&str, usize)| match word {
-        _ if word.starts_with("//") => byte <= end,
-        // A text whose second quote is not written yet.
-        _ if word.starts_with('\'') && (word.len() == 1 || !word.ends_with('\'')) => byte <= end,
-        _ if word.starts_with("(*") || word.starts_with("/*") || word.starts_with('\'') => byte < end,
-        _ => false,
-    };
-    if around.is_some_and(is_open) {
+    if is_in_text(words, byte, next) {
         return Vec::new();
     }
     // The word that is being written.
@@ -49,19 +35,7 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     let written = writing.map_or("", |at| words.word(at));
     let entry = index.around(file, byte);
     if before == "." {
-        if let Some(part) = part_before(index, words, file, first - 1) {
-            let row = |one: &Component| CompletionItem {
-                documentation: Some(lsp_types::Documentation::String(one.doc.to_owned())),
-                ..item(one.name, CompletionItemKind::FIELD, one.ty)
-            };
-            return part.components().iter().map(row).collect();
-        }
-        let members = members_before(index, words, file, first - 1);
-        if members.is_empty() {
-            let values = values_before(index, words, file, first - 1).unwrap_or_default();
-            return values.iter().map(|one| item(&one.name, CompletionItemKind::FIELD, &one.ty)).collect();
-        }
-        return members.into_iter().map(|one| variable(index, one)).collect();
+        return after_dot(index, words, file, first - 1);
     }
     if before == "#" || written.starts_with('#') || words.word(first) == "#" && words.range(first).end == byte {
         let sign = if before == "#" { first - 1 } else { first };
@@ -96,97 +70,41 @@ pub fn complete(index: &Index, words: &Words, file: FileId, byte: usize, set: Mn
     if matches!(before, "(" | ",") && !is_instance && !is_element() {
         items.extend(parameters(index, words, file, first));
     }
-    match language {
-        // A line of a list of parameters has no mnemonic.
-        Language::Stl if begins && before != "," && items.is_empty() => {
-            items.extend(StlInsn::ALL.iter().map(|insn| CompletionItem {
-                label: insn.mnemonic(set).to_owned(),
-                kind: Some(CompletionItemKind::OPERATOR),
-                detail: Some(insn.doc().trim().to_owned()),
-                ..CompletionItem::default()
-            }))
-        }
-        // The first word in a list of parameters is one of them.
-        Language::Stl if matches!(before, "(" | ",") && open_bracket(words, first).is_some() => {}
-        Language::Stl => match stl_operand(words, first, set) {
-            Some(OperandClass::Label) => {
-                let labels = entry.into_iter().flat_map(labels::of);
-                items.extend(labels.map(|label| item(label.name, CompletionItemKind::REFERENCE, "jump label")));
-            }
-            Some(OperandClass::Block) => {
-                items.extend(marked_locals(index, entry));
-                items.extend(marked_globals(index, Wanted::Code));
-            }
-            Some(OperandClass::DataBlock) => items.extend(marked_globals(index, Wanted::Data)),
-            Some(class) if takes_names(class) => {
-                items.extend(marked_locals(index, entry));
-                items.extend(marked_globals(index, Wanted::Operand));
-            }
-            Some(_) | None => {}
-        },
-        Language::S7200 => {
-            items.extend(s7200::mnemonics(set).map(|(name, doc)| item(&name, CompletionItemKind::OPERATOR, doc.trim())))
-        }
-        Language::Scl if before.eq_ignore_ascii_case("GOTO") => {
-            let labels = entry.into_iter().flat_map(labels::of);
-            items.extend(labels.map(|label| item(label.name, CompletionItemKind::REFERENCE, "jump label")));
-        }
-        Language::Scl => {
-            let keywords = Keyword::ALL.iter().filter(|word| word.is_in_statements()).map(|word| word.word());
-            items.extend(keywords.chain(REGION).map(|word| item(word, CompletionItemKind::KEYWORD, "")));
-            items.extend(locals(index, entry));
-            items.extend(index.checked.facts.functions.iter().map(function));
-            items.extend(marked_globals(index, Wanted::Value));
-        }
-        Language::Sd if in_rung(words, first) && matches!(before, "(" | ",") => {
-            let pins = pins(words, first);
-            // The operand has no name: `Contact( #on )`.
-            if before == "(" && pins.iter().any(|pin| pin.label == "operand") {
-                items.extend(marked_locals(index, entry));
-                items.extend(marked_globals(index, Wanted::Operand));
-            }
-            items.extend(pins);
-        }
-        Language::Sd if in_rung(words, first) && matches!(before, ":=" | "=>" | "NOT") => {
-            items.extend(marked_locals(index, entry));
-            items.extend(marked_globals(index, Wanted::Operand));
-        }
-        Language::Sd if in_rung(words, first) => {
-            items.extend(elements::elements().map(|row| {
-                let names: Vec<&str> = row.pins().map(|pin| pin.name()).collect();
-                item(row.name, CompletionItemKind::OPERATOR, &names.join(", "))
-            }));
-        }
-        Language::Graph if chart::is_end(words, first) => items.extend(steps(entry, true)),
-        Language::Graph if begins_operand(words, first) => {
-            items.extend(locals(index, entry));
-            items.extend(steps(entry, false));
-            items.extend(marked_globals(index, Wanted::Operand));
-        }
-        Language::Sd | Language::Graph => {}
-    }
+    // A line of a list of parameters has no mnemonic.
+    let is_statement = begins && before != "," && items.is_empty();
+    let place = Place { words, first, before, entry, set, is_statement };
+    items.extend(of_language(index, language, place));
     items
 }
 
-/// Whether an operand of a condition can stand at a piece.
-fn begins_operand(words: &Words, at: usize) -> bool {
-    const WORDS: [&str; 4] = ["AND", "NOT", "OR", "XOR"];
-    // A bracket after an operand has the qualifier of an action: `Q1.2 (N)`.
-    let before = (0..at).rev().map(|at| words.word(at)).find(|word| *word != "(").unwrap_or_default();
-    matches!(before, ":=" | "&" | "=" | "<>" | "<" | ">" | "<=" | ">=" | "+" | "-" | "*" | "/")
-        || WORDS.iter().any(|word| word.eq_ignore_ascii_case(before))
+/// Whether a byte is in a comment or in a text, where nothing is proposed. `next`: the first word after it.
+fn is_in_text(words: &Words, byte: usize, next: usize) -> bool {
+    let Some(around) = next.checked_sub(1) else { return false };
+    let (word, end) = (words.word(around), words.range(around).end);
+    match word {
+        _ if word.starts_with("//") => byte <= end,
+        // A text whose second quote is not written yet.
+        _ if word.starts_with('\'') && (word.len() == 1 || !word.ends_with('\'')) => byte <= end,
+        _ if word.starts_with("(*") || word.starts_with("/*") || word.starts_with('\'') => byte < end,
+        _ => false,
+    }
 }
 
-/// The steps of a chart, and its transitions, which have components that conditions read.
-fn steps(entry: Option<Entry>, alone: bool) -> impl Iterator<Item = CompletionItem> {
-    let parts = entry.into_iter().flat_map(chart::of);
-    parts.filter(move |part| !alone || matches!(part, Part::Step(_))).map(|part| {
-        let comment = Some(part.comment()).filter(|comment| !comment.is_empty());
-        CompletionItem {
-            documentation: comment.map(lsp_types::Documentation::String),
-            ..item(part.name(), CompletionItemKind::REFERENCE, &part.kind())
-        }
-    })
+/// The components of what is before a dot, the word `dot`.
+fn after_dot(index: &Index, words: &Words, file: FileId, dot: usize) -> Vec<CompletionItem> {
+    if let Some(part) = part_before(index, words, file, dot) {
+        let row = |one: &Component| CompletionItem {
+            documentation: Some(lsp_types::Documentation::String(one.doc.to_owned())),
+            ..item(one.name, CompletionItemKind::FIELD, one.ty)
+        };
+        return part.components().iter().map(row).collect();
+    }
+    let members = members_before(index, words, file, dot);
+    if members.is_empty() {
+        let values = values_before(index, words, file, dot).unwrap_or_default();
+        return values.iter().map(|one| item(&one.name, CompletionItemKind::FIELD, &one.ty)).collect();
+    }
+    members.into_iter().map(|one| variable(index, one)).collect()
 }
 
 /// Types that are not elementary ones.
@@ -231,30 +149,6 @@ fn types(index: &Index, language: Language) -> Vec<CompletionItem> {
         item(&name, CompletionItemKind::STRUCT, entry.keyword())
     }));
     items
-}
-
-/// `pt := ` for each pin of an element that the list does not have yet. The flow comes and goes on wires.
-fn pins(words: &Words, at: usize) -> Vec<CompletionItem> {
-    let Some(open) = open_bracket(words, at) else { return Vec::new() };
-    let element = open.checked_sub(1).and_then(|before| elements::find_sd(words.word(before)));
-    let Some((row, _)) = element else { return Vec::new() };
-    let given: Vec<&str> =
-        (open..at).filter(|&at| matches!(words.word(at + 1), ":=" | "=>")).map(|at| words.word(at)).collect();
-    let is_missing = |pin: &PinRow| {
-        let is_plain = ![row.flow.0, row.flow.1].contains(&pin.name());
-        pin.numbered || is_plain && !given.iter().any(|own| pin.matches(own).is_some())
-    };
-    let propose = |pin: PinRow| {
-        let sign = match pin.direction {
-            PinDirection::Input | PinDirection::InOut => ":=",
-            PinDirection::Output => "=>",
-        };
-        CompletionItem {
-            insert_text: Some(format!("{} {sign} ", pin.name())),
-            ..item(pin.name(), CompletionItemKind::FIELD, network::direction(pin))
-        }
-    };
-    row.pins().filter(is_missing).map(propose).collect()
 }
 
 /// The text of the line up to a byte.
@@ -311,124 +205,6 @@ fn globals(index: &Index) -> Vec<CompletionItem> {
 fn symbol(symbol: &Symbol) -> CompletionItem {
     let detail = format!("{} {} {}", crate::hover::target_text(symbol.target), symbol.ty, symbol.comment);
     item(&symbol.name, CompletionItemKind::VARIABLE, detail.trim())
-}
-
-/// The kind of global name that a place takes.
-#[derive(Clone, Copy, PartialEq)]
-enum Wanted {
-    /// What is called.
-    Code,
-    /// A data block.
-    Data,
-    /// What STL and networks read and write.
-    Operand,
-    /// The same in SCL, where functions have values.
-    Value,
-}
-
-impl Wanted {
-    fn is_block(self, entry: &Entry) -> bool {
-        match self {
-            Wanted::Code => matches!(entry.keyword(), "FUNCTION" | "FUNCTION_BLOCK"),
-            Wanted::Data | Wanted::Operand => entry.is_data(),
-            Wanted::Value => entry.is_data() || entry.keyword() == "FUNCTION",
-        }
-    }
-
-    fn is_symbol(self, symbol: &Symbol) -> bool {
-        use BlockPrefix::{Db, Di, Fb, Fc, Sfb, Sfc};
-        match symbol.target {
-            SymbolTarget::Block { prefix, .. } => match self {
-                Wanted::Code => matches!(prefix, Fc | Fb | Sfc | Sfb),
-                Wanted::Data | Wanted::Operand => matches!(prefix, Db | Di),
-                Wanted::Value => matches!(prefix, Db | Di | Fc | Sfc),
-            },
-            SymbolTarget::Memory { .. } | SymbolTarget::Cell { .. } => matches!(self, Wanted::Operand | Wanted::Value),
-        }
-    }
-}
-
-/// Variables and constants of a block with their sign: `#level`.
-fn marked_locals(index: &Index, entry: Option<Entry>) -> Vec<CompletionItem> {
-    locals(index, entry).into_iter().map(|one| marked(one, "#", "")).collect()
-}
-
-/// Blocks, symbols and constants in their quotes: `"Motor"`.
-fn marked_globals(index: &Index, wanted: Wanted) -> Vec<CompletionItem> {
-    let block = |entry: &Entry| {
-        let one = item(&entry.text(), CompletionItemKind::MODULE, entry.keyword());
-        match entry.name() {
-            BlockName::Symbol { .. } => marked(one, "\"", "\""),
-            BlockName::Numbered { .. } => CompletionItem { insert_text: Some(one.label.replace(' ', "")), ..one },
-        }
-    };
-    let tables = &index.checked.tables;
-    let symbols = tables.iter().flat_map(|table| &table.symbols).filter(|symbol| wanted.is_symbol(symbol)).map(symbol);
-    let constants = tables.iter().flat_map(|table| &table.constants).map(|one| constant(index, Constant::Global(one)));
-    let takes_constants = matches!(wanted, Wanted::Operand | Wanted::Value);
-    let named = symbols.chain(constants.filter(|_| takes_constants)).map(|one| marked(one, "\"", "\""));
-    let mut items: Vec<CompletionItem> =
-        index.blocks.iter().filter(|entry| wanted.is_block(entry)).map(block).chain(named).collect();
-    // A block of a source has a row in the symbol table, too.
-    let mut seen = HashSet::new();
-    items.retain(|one| seen.insert(one.label.clone()));
-    items
-}
-
-/// An item that is found by its name, and written with signs around it.
-fn marked(one: CompletionItem, before: &str, after: &str) -> CompletionItem {
-    CompletionItem { label: format!("{before}{}{after}", one.label), filter_text: Some(one.label), ..one }
-}
-
-/// What the statement of STL around a piece takes there; `None`: nothing that is known.
-fn stl_operand(words: &Words, at: usize, set: Mnemonics) -> Option<OperandClass> {
-    let before = at.checked_sub(1)?;
-    if matches!(words.word(before), ":=" | "=>") {
-        return Some(OperandClass::LoadSource);
-    }
-    let begins = |at: &usize| words.first_on_line(*at) || words.word(at.wrapping_sub(1)) == ";";
-    let mut first = (0..=before).rev().find(begins)?;
-    if words.word(first + 1) == ":" {
-        first += 2;
-    }
-    let mnemonic = words.word(first);
-    if mnemonic.eq_ignore_ascii_case("CALL") {
-        // The instance follows a comma.
-        return Some(if words.word(before) == "," { OperandClass::DataBlock } else { OperandClass::Block });
-    }
-    let is_it = |insn: &&StlInsn| insn.mnemonic(set).eq_ignore_ascii_case(mnemonic);
-    StlInsn::ALL.iter().find(is_it).filter(|_| first == before).map(|insn| insn.operand())
-}
-
-/// Whether an operand can be a variable or a tag.
-const fn takes_names(class: OperandClass) -> bool {
-    match class {
-        OperandClass::Bit
-        | OperandClass::BitOrNone
-        | OperandClass::BitWrite
-        | OperandClass::BitWriteOrCounter
-        | OperandClass::BitWriteOrCell
-        | OperandClass::LoadSource
-        | OperandClass::TransferTarget
-        | OperandClass::Timer
-        | OperandClass::Counter
-        | OperandClass::Cell
-        | OperandClass::LoadAr1
-        | OperandClass::LoadAr2
-        | OperandClass::TransferAr1
-        | OperandClass::TransferAr2
-        | OperandClass::DataBlock
-        | OperandClass::Block => true,
-        OperandClass::None
-        | OperandClass::PointerOrNone
-        | OperandClass::Byte
-        | OperandClass::AddConstant
-        | OperandClass::WordConstOrNone
-        | OperandClass::DwordConstOrNone
-        | OperandClass::ShiftCount16
-        | OperandClass::ShiftCount32
-        | OperandClass::Label => false,
-    }
 }
 
 /// What can follow the point at a piece.
