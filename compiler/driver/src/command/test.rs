@@ -9,9 +9,10 @@ use serde_json::json;
 
 use crate::cli::{FormArg, TestArgs};
 use crate::command::exit;
+use crate::inputs::{self, TestInput};
 use crate::pipeline::Settings;
+use crate::report;
 use crate::testing::{self, Form, Outcome, Plan, Variant, coverage, find, junit, watch};
-use crate::{inputs, report};
 
 /// Runs all tests, once or after each change of a source.
 pub fn test(args: &TestArgs) -> u8 {
@@ -38,71 +39,33 @@ fn is_for_a_file(output: &Path) -> bool {
 
 /// Runs all tests and prints what failed, then `N passed, M failed`; or all of it as JSON.
 fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
-    let forms: &[Form] = match args.form {
-        FormArg::Interp => &[Form::Interp],
-        FormArg::Jit => &[Form::Jit],
-        FormArg::Exe => &[Form::Exe],
-        FormArg::All => &[Form::Interp, Form::Jit, Form::Exe],
-    };
-    if args.coverage.is_some() && args.form == FormArg::Exe {
-        report::say("executables do not count what they run; use --coverage with `--form jit`, `interp` or `all`");
-        return exit::USAGE;
-    }
-    if let Some(output) = args.coverage.as_deref().filter(|output| is_for_a_file(output)) {
-        let output = output.display();
-        report::say(&format!(
-            "--coverage {output}: this is a file; name a folder, which gets `lcov.info` and `index.html`"
-        ));
-        return exit::USAGE;
-    }
-    let optimization = args.optimization.optimization();
-    let plan = Plan {
-        settings: Settings::new(&args.compile),
-        variants: forms.iter().map(|&form| Variant { form, optimization }).collect(),
-        linker: args.linker.clone(),
-        coverage: args.coverage.is_some(),
-    };
-    let mut tests = find::find_tests(paths);
-    let mut text = String::new();
-    for scenario in find::lone_scenarios(paths, &tests) {
-        let _ = writeln!(text, "no source next to the scenario: {}", scenario.display());
-    }
-    for scenario in find::strayed_scenarios(&tests) {
-        let path = scenario.display();
-        let _ = writeln!(text, "not played, because scenarios of a project are below its folder `tests`: {path}");
-    }
-    if let Some(part) = &args.filter {
-        let found = tests.len();
-        tests.retain(|test| testing::name_of(test).contains(part.as_str()));
-        if tests.is_empty() && found > 0 {
-            report::say(&match found {
-                1 => format!("the only test does not have `{part}` in its path"),
-                _ => format!("none of the {found} tests has `{part}` in its path"),
-            });
-            return exit::USAGE;
-        }
-    }
-    let (outcomes, counted) = testing::run_counted(&tests, &plan);
-    if let Some(file) = &args.junit
-        && let Err(error) = std::fs::write(file, junit::report(&outcomes))
-    {
-        report::say(&format!("cannot write `{}`: {error}", file.display()));
-        return exit::USAGE;
-    }
-    if let Some(folder) = &args.coverage
-        && let Err(message) = coverage::write(&counted, folder)
-    {
+    tested(args, paths).unwrap_or_else(|message| {
         report::say(&message);
-        return exit::USAGE;
+        exit::USAGE
+    })
+}
+
+/// As [`once`]. `Err`: why no test runs, or what cannot be written.
+fn tested(args: &TestArgs, paths: &[PathBuf]) -> Result<u8, String> {
+    check_coverage(args)?;
+    let plan = plan(args);
+    let mut text = String::new();
+    let tests = found(args, paths, &mut text)?;
+    let (outcomes, counted) = testing::run_counted(&tests, &plan);
+    if let Some(file) = &args.junit {
+        let written = std::fs::write(file, junit::report(&outcomes));
+        written.map_err(|error| format!("cannot write `{}`: {error}", file.display()))?;
+    }
+    if let Some(folder) = &args.coverage {
+        coverage::write(&counted, folder)?;
     }
     if outcomes.is_empty() {
-        report::say(&match paths.iter().find_map(|path| inputs::project_above(path)) {
+        return Err(match paths.iter().find_map(|path| inputs::project_above(path)) {
             Some(folder) => {
                 format!("no source in the given folders, which belong to a project: write `plcc test {folder}`")
             }
             None => "no source in the given folders".to_string(),
         });
-        return exit::USAGE;
     }
     for outcome in &outcomes {
         eprint!("{}", outcome.messages);
@@ -121,9 +84,9 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
         text = json(&outcomes, plan.coverage.then(|| counted.sums()));
     }
     if let Err(code) = report::print(&text) {
-        return code;
+        return Ok(code);
     }
-    if outcomes.iter().any(|outcome| outcome.unreadable) {
+    Ok(if outcomes.iter().any(|outcome| outcome.unreadable) {
         exit::USAGE
     } else if outcomes.iter().any(|outcome| outcome.rejected) {
         exit::COMPILE
@@ -131,7 +94,63 @@ fn once(args: &TestArgs, paths: &[PathBuf]) -> u8 {
         exit::FAILED
     } else {
         exit::OK
+    })
+}
+
+/// `Err`: why there can be no coverage as asked.
+fn check_coverage(args: &TestArgs) -> Result<(), String> {
+    let Some(output) = args.coverage.as_deref() else { return Ok(()) };
+    if args.form == FormArg::Exe {
+        let why = "executables do not count what they run; use --coverage with `--form jit`, `interp` or `all`";
+        return Err(why.to_string());
     }
+    if is_for_a_file(output) {
+        let output = output.display();
+        return Err(format!(
+            "--coverage {output}: this is a file; name a folder, which gets `lcov.info` and `index.html`"
+        ));
+    }
+    Ok(())
+}
+
+/// How the tests are compiled and run.
+fn plan(args: &TestArgs) -> Plan {
+    let forms: &[Form] = match args.form {
+        FormArg::Interp => &[Form::Interp],
+        FormArg::Jit => &[Form::Jit],
+        FormArg::Exe => &[Form::Exe],
+        FormArg::All => &[Form::Interp, Form::Jit, Form::Exe],
+    };
+    let optimization = args.optimization.optimization();
+    Plan {
+        settings: Settings::new(&args.compile),
+        variants: forms.iter().map(|&form| Variant { form, optimization }).collect(),
+        linker: args.linker.clone(),
+        coverage: args.coverage.is_some(),
+    }
+}
+
+/// The tests below `paths` that the filter takes; `text` gets a line for each scenario that belongs to none. `Err`: the filter takes none.
+fn found(args: &TestArgs, paths: &[PathBuf], text: &mut String) -> Result<Vec<TestInput>, String> {
+    let mut tests = find::find_tests(paths);
+    for scenario in find::lone_scenarios(paths, &tests) {
+        let _ = writeln!(text, "no source next to the scenario: {}", scenario.display());
+    }
+    for scenario in find::strayed_scenarios(&tests) {
+        let path = scenario.display();
+        let _ = writeln!(text, "not played, because scenarios of a project are below its folder `tests`: {path}");
+    }
+    if let Some(part) = &args.filter {
+        let found = tests.len();
+        tests.retain(|test| testing::name_of(test).contains(part.as_str()));
+        if tests.is_empty() && found > 0 {
+            return Err(match found {
+                1 => format!("the only test does not have `{part}` in its path"),
+                _ => format!("none of the {found} tests has `{part}` in its path"),
+            });
+        }
+    }
+    Ok(tests)
 }
 
 /// One object: the sums, and each test with its failures.
