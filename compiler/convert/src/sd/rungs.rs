@@ -28,22 +28,8 @@ impl Writer<'_> {
                 rung = Some(Rung { text: String::from("RUNG"), out: None, fed: true });
             }
             let mut current = rung.take().unwrap_or(Rung { text: String::from("RUNG"), out: None, fed: true });
-            match flow {
-                Some((PinValue::Net(net), _)) if joined && wires.is_only(graph, *net) => {}
-                Some((PinValue::Net(net), _)) => current.text.push_str(&format!(" wire#{}", wires.name(*net))),
-                Some((PinValue::Operand(value), _)) => {
-                    let text = self.sd_operand(value);
-                    current.text.push_str(&format!(" {text}"));
-                    let passes_on = |source: &str| written::passes_on(source, value.span.end);
-                    if language == Language::Fbd && self.source.is_some_and(passes_on) {
-                        current.text.push_str("  A()");
-                    }
-                }
-                Some((PinValue::Open, _)) | None if language == Language::Lad => {
-                    current.text.push_str(" wire#powerrail")
-                }
-                Some((PinValue::Open, _)) | None => {}
-            }
+            let text = self.flow_text((graph, &wires), flow.map(|(value, _)| value), joined, language);
+            current.text.push_str(&text);
             let is_negated = flow.is_some_and(|(_, negated)| negated);
             // `{ … } NOT #t.TON( … )`
             let is_inner = is_negated
@@ -63,39 +49,70 @@ impl Writer<'_> {
                 PinValue::Operand(_) | PinValue::Open => None,
             });
             current.fed = current.out.is_none();
-            if let Some(last) = at.checked_sub(1).filter(|_| !joined) {
-                let remarks = self.trivia.on_line(graph.elements[last].span.end);
-                self.new_remarks(remarks);
-            }
-            let mut remarks = self.trivia.before(element.span.start);
-            remarks.retain(|remark| !self.is_written(&remark.text));
-            // The last line is that of another rung.
-            remarks.iter_mut().for_each(|remark| remark.own_line = true);
-            let asserts = remarks.iter().any(|remark| remark.text.starts_with("//@"));
-            if asserts && at > 0 && !joined && !crossed[at] {
-                // An assertion stands between networks.
-                self.out.dedent();
-                self.out.line("END_NETWORK");
-                self.out.remarks(&remarks);
-                self.out.line(format!(
-                    "{{ S7_Language := \"{}\" }}",
-                    if language == Language::Lad { "LAD" } else { "FBD" }
-                ));
-                self.out.line("NETWORK");
-                self.out.indent();
-            } else {
-                if asserts {
-                    let title = "an assertion before this element stands inside its network, where `plcc test` does not read it";
-                    self.warn(element.span, title, "move it after the network, or end the logic before it with SET");
-                }
-                self.out.remarks(&remarks);
-            }
+            self.remarks_of_element(graph, at, (joined, crossed[at]), language);
             rung = Some(current);
         }
         if let Some(rung) = rung.take() {
             self.end(rung, &wires);
         }
-        // Nets that operands or other nets feed.
+        self.fed_nets(graph, &wires);
+    }
+
+    /// What comes before an element in its rung: a wire, an operand, or the power rail. `joined`: the element before feeds it.
+    fn flow_text(
+        &mut self,
+        (graph, wires): (&Graph, &Wires),
+        flow: Option<&PinValue>,
+        joined: bool,
+        language: Language,
+    ) -> String {
+        match flow {
+            Some(PinValue::Net(net)) if joined && wires.is_only(graph, *net) => String::new(),
+            Some(PinValue::Net(net)) => format!(" wire#{}", wires.name(*net)),
+            Some(PinValue::Operand(value)) => {
+                let text = self.sd_operand(value);
+                let passes_on = |source: &str| written::passes_on(source, value.span.end);
+                let is_passed_on = language == Language::Fbd && self.source.is_some_and(passes_on);
+                format!(" {text}{}", if is_passed_on { "  A()" } else { "" })
+            }
+            Some(PinValue::Open) | None if language == Language::Lad => " wire#powerrail".to_string(),
+            Some(PinValue::Open) | None => String::new(),
+        }
+    }
+
+    /// The comments and assertions at an element. `joined`: it is in the rung of the one before; `is_crossed`: a wire passes it.
+    fn remarks_of_element(&mut self, graph: &Graph, at: usize, (joined, is_crossed): (bool, bool), language: Language) {
+        if let Some(last) = at.checked_sub(1).filter(|_| !joined) {
+            let remarks = self.trivia.on_line(graph.elements[last].span.end);
+            self.new_remarks(remarks);
+        }
+        let span = graph.elements[at].span;
+        let mut remarks = self.trivia.before(span.start);
+        remarks.retain(|remark| !self.is_written(&remark.text));
+        // The last line is that of another rung.
+        remarks.iter_mut().for_each(|remark| remark.own_line = true);
+        let asserts = remarks.iter().any(|remark| remark.text.starts_with("//@"));
+        if asserts && at > 0 && !joined && !is_crossed {
+            // An assertion stands between networks.
+            self.out.dedent();
+            self.out.line("END_NETWORK");
+            self.out.remarks(&remarks);
+            let name = if language == Language::Lad { "LAD" } else { "FBD" };
+            self.out.line(format!("{{ S7_Language := \"{name}\" }}"));
+            self.out.line("NETWORK");
+            self.out.indent();
+        } else {
+            if asserts {
+                let title =
+                    "an assertion before this element stands inside its network, where `plcc test` does not read it";
+                self.warn(span, title, "move it after the network, or end the logic before it with SET");
+            }
+            self.out.remarks(&remarks);
+        }
+    }
+
+    /// Rungs without elements, for nets that operands or other nets feed.
+    fn fed_nets(&mut self, graph: &Graph, wires: &Wires) {
         for (at, net) in graph.nets.iter().enumerate() {
             for source in &net.sources {
                 let name = wires.name(NetId(at as u32));
