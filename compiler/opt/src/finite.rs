@@ -225,92 +225,148 @@ fn part_block(function: &mut Function, block: Block, leaving: &[bool], renamed: 
         function.blocks[cold].cold = true;
         let copies = copy_dependent(function, &insts[first..=last], &group, cold);
         let tests = needed(function, &group.kept);
-        // On this side selections are results; what depends on them stays as it is.
-        let raw: FxHashMap<Value, Value> = group.kept.iter().map(|kept| (kept.selected, kept.bits)).collect();
-        let mut hot: Vec<Inst> = std::mem::take(&mut function.blocks[home].insts);
         let loc = function.locs[insts[last]];
-        for &inst in &insts[begin..=last] {
-            if function.results[inst].first().is_some_and(|result| raw.contains_key(result)) {
-                continue;
-            }
-            let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
-            data.map_uses(|value| raw.get(&value).copied().unwrap_or(value));
-            function.insts[inst] = data;
-            hot.push(inst);
-        }
-        let one = function.make_inst(InstData::Const { bits: 1 }, &[Type::I1], Loc(0));
-        hot.push(one);
-        let yes = function.result(one);
-        let mut cond = tests[0];
-        for &test in &tests[1..] {
-            let both = function.make_inst(InstData::Binary { op: BinaryOp::And, args: [cond, test] }, &[Type::I1], loc);
-            hot.push(both);
-            cond = function.result(both);
-        }
-        let mut hot_args = Values::new();
-        let mut cold_args = Values::new();
-        let mut start = Vec::new();
-        let mut floats: FxHashMap<Value, Value> = FxHashMap::default();
-        for &inst in &insts[first..=last] {
-            let Some(&value) = function.results[inst].first().filter(|value| group.dependent.contains(*value)) else {
-                continue;
-            };
-            if let Some(kept) = group.kept.iter().find(|kept| kept.selected == value) {
-                // As a float, which most of its users want.
-                let back = InstData::Convert { op: ConvertOp::Bitcast, arg: copies[&value] };
-                let back = function.make_inst(back, &[Type::F32], loc);
-                function.blocks[cold].insts.push(back);
-                let float = function.add_param(next, Type::F32);
-                let bits = InstData::Convert { op: ConvertOp::Bitcast, arg: float };
-                let bits = function.make_inst(bits, &[Type::I32], loc);
-                start.push(bits);
-                hot_args.push(kept.result);
-                cold_args.push(function.result(back));
-                floats.insert(value, float);
-                renamed.insert(value, ([home, cold], function.result(bits)));
-                continue;
-            }
-            if !leaves(value) {
-                continue;
-            }
-            if let InstData::Convert { op: ConvertOp::Bitcast, .. } = function.insts[inst]
-                && let Some(float) = original_float(&group, &floats, function, inst)
-            {
-                renamed.insert(value, ([home, cold], float));
-                continue;
-            }
-            let param = function.add_param(next, function.ty(value));
-            hot_args.push(value);
-            cold_args.push(copies[&value]);
-            renamed.insert(value, ([home, cold], param));
-        }
-        // What a test says is known on this side.
-        for kept in &group.kept {
-            if let Some(position) = hot_args.iter().position(|&arg| arg == kept.fits) {
-                hot_args[position] = yes;
-                continue;
-            }
-            let is_here = insts[begin..=last].iter().any(|&inst| function.results[inst].first() == Some(&kept.fits));
-            if is_here && leaves(kept.fits) && !group.dependent.contains(&kept.fits) {
-                let param = function.add_param(next, Type::I1);
-                hot_args.push(yes);
-                cold_args.push(kept.fits);
-                renamed.insert(kept.fits, ([home, cold], param));
-            }
-        }
+        let mut hot: Vec<Inst> = std::mem::take(&mut function.blocks[home].insts);
+        take_results(function, &insts[begin..=last], &group.kept, &mut hot);
+        let (yes, cond) = all_of(function, &tests, loc, &mut hot);
+        let sides = Sides { home, cold, next, yes, loc };
+        let mut meeting = meet(function, &insts[first..=last], &group, &copies, &leaves, sides, renamed);
+        pass_tests(function, &insts[begin..=last], &group, &leaves, sides, &mut meeting, renamed);
         let to_next = |args| BlockCall { block: next, args };
-        let branch = InstData::Branch { cond, then_to: to_next(hot_args), else_to: BlockCall::new(cold) };
+        let branch = InstData::Branch { cond, then_to: to_next(meeting.hot), else_to: BlockCall::new(cold) };
         let branch = function.make_inst(branch, &[], loc);
         hot.push(branch);
         function.blocks[home].insts = hot;
-        let jump = function.make_inst(InstData::Jump { target: to_next(cold_args) }, &[], loc);
+        let jump = function.make_inst(InstData::Jump { target: to_next(meeting.cold) }, &[], loc);
         function.blocks[cold].insts.push(jump);
-        function.blocks[next].insts = start;
+        function.blocks[next].insts = meeting.start;
         layout.extend([next, cold]);
         home = next;
         begin = last + 1;
     }
     function.blocks[home].insts.extend_from_slice(&insts[begin..]);
+}
+
+/// Moves code to the hot side, on which selections are results; what depends on them stays as it is.
+fn take_results(function: &mut Function, insts: &[Inst], kept: &[Kept], hot: &mut Vec<Inst>) {
+    let raw: FxHashMap<Value, Value> = kept.iter().map(|kept| (kept.selected, kept.bits)).collect();
+    for &inst in insts {
+        if function.results[inst].first().is_some_and(|result| raw.contains_key(result)) {
+            continue;
+        }
+        let mut data = std::mem::replace(&mut function.insts[inst], InstData::Const { bits: 0 });
+        data.map_uses(|value| raw.get(&value).copied().unwrap_or(value));
+        function.insts[inst] = data;
+        hot.push(inst);
+    }
+}
+
+/// A constant 1, and whether all tests hold; both are computed at the end of `hot`.
+fn all_of(function: &mut Function, tests: &[Value], loc: Loc, hot: &mut Vec<Inst>) -> (Value, Value) {
+    let one = function.make_inst(InstData::Const { bits: 1 }, &[Type::I1], Loc(0));
+    hot.push(one);
+    let yes = function.result(one);
+    let mut cond = tests[0];
+    for &test in &tests[1..] {
+        let both = function.make_inst(InstData::Binary { op: BinaryOp::And, args: [cond, test] }, &[Type::I1], loc);
+        hot.push(both);
+        cond = function.result(both);
+    }
+    (yes, cond)
+}
+
+/// The blocks of a group: the one that ends with the branch, the cold one, and the one in which both ways meet.
+#[derive(Clone, Copy)]
+struct Sides {
+    home: Block,
+    cold: Block,
+    next: Block,
+    /// A constant 1 of the first one.
+    yes: Value,
+    loc: Loc,
+}
+
+/// What goes to the block in which both ways meet: a value for each of its parameters from either side, and its first instructions.
+struct Meeting {
+    hot: Values,
+    cold: Values,
+    start: Vec<Inst>,
+}
+
+/// Makes the parameters of the block in which both ways meet, for the selections and for what depends on them. `copies`: of the cold side;
+/// `leaves`: true of a value that is used after the group.
+fn meet(
+    function: &mut Function,
+    insts: &[Inst],
+    group: &Group,
+    copies: &FxHashMap<Value, Value>,
+    leaves: &impl Fn(Value) -> bool,
+    sides: Sides,
+    renamed: &mut Renamed,
+) -> Meeting {
+    let Sides { home, cold, next, loc, .. } = sides;
+    let mut meeting = Meeting { hot: Values::new(), cold: Values::new(), start: Vec::new() };
+    let mut floats: FxHashMap<Value, Value> = FxHashMap::default();
+    for &inst in insts {
+        let Some(&value) = function.results[inst].first().filter(|value| group.dependent.contains(*value)) else {
+            continue;
+        };
+        if let Some(kept) = group.kept.iter().find(|kept| kept.selected == value) {
+            // As a float, which most of its users want.
+            let back = InstData::Convert { op: ConvertOp::Bitcast, arg: copies[&value] };
+            let back = function.make_inst(back, &[Type::F32], loc);
+            function.blocks[cold].insts.push(back);
+            let float = function.add_param(next, Type::F32);
+            let bits = InstData::Convert { op: ConvertOp::Bitcast, arg: float };
+            let bits = function.make_inst(bits, &[Type::I32], loc);
+            meeting.start.push(bits);
+            meeting.hot.push(kept.result);
+            meeting.cold.push(function.result(back));
+            floats.insert(value, float);
+            renamed.insert(value, ([home, cold], function.result(bits)));
+            continue;
+        }
+        if !leaves(value) {
+            continue;
+        }
+        if let InstData::Convert { op: ConvertOp::Bitcast, .. } = function.insts[inst]
+            && let Some(float) = original_float(group, &floats, function, inst)
+        {
+            renamed.insert(value, ([home, cold], float));
+            continue;
+        }
+        let param = function.add_param(next, function.ty(value));
+        meeting.hot.push(value);
+        meeting.cold.push(copies[&value]);
+        renamed.insert(value, ([home, cold], param));
+    }
+    meeting
+}
+
+/// Passes tests on to where both ways meet: what a test says is known on the hot side, where it is 1.
+fn pass_tests(
+    function: &mut Function,
+    insts: &[Inst],
+    group: &Group,
+    leaves: &impl Fn(Value) -> bool,
+    sides: Sides,
+    meeting: &mut Meeting,
+    renamed: &mut Renamed,
+) {
+    let Sides { home, cold, next, yes, .. } = sides;
+    for kept in &group.kept {
+        if let Some(position) = meeting.hot.iter().position(|&arg| arg == kept.fits) {
+            meeting.hot[position] = yes;
+            continue;
+        }
+        let is_here = insts.iter().any(|&inst| function.results[inst].first() == Some(&kept.fits));
+        if is_here && leaves(kept.fits) && !group.dependent.contains(&kept.fits) {
+            let param = function.add_param(next, Type::I1);
+            meeting.hot.push(yes);
+            meeting.cold.push(kept.fits);
+            renamed.insert(kept.fits, ([home, cold], param));
+        }
+    }
 }
 
 /// Copies what depends on a selection to `cold`; the copies by what they are copies of.
