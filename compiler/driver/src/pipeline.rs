@@ -276,25 +276,12 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         // Without a source there is already another message.
         require_main: settings.require_main && !units.is_empty(),
     };
-    // Programs of the S7-200 share nothing with those of the other families.
-    let is_s7200 = plcc_program::is_s7200(&units);
-    let mut program = if partial {
-        let completed = match is_s7200 {
-            true => plcc_program_s7200::complete(&input),
-            false => plcc_program::complete(&input),
-        };
-        diagnostics.extend(completed.diagnostics);
-        // Stand-ins need places like everything else.
-        sources.add(SourceFile::new(STAND_INS, completed.stand_ins));
-        completed.program
-    } else {
-        let (program, messages) = match is_s7200 {
-            true => plcc_program_s7200::bind(&input),
-            false => plcc_program::bind(&input),
-        };
-        diagnostics.extend(messages);
-        program
-    };
+    let (mut program, messages, stand_ins) = resolve(&input);
+    diagnostics.extend(messages);
+    // Stand-ins need places like everything else.
+    if let Some(text) = stand_ins {
+        sources.add(SourceFile::new(STAND_INS, text));
+    }
     // The addresses of a station that cannot be built say nothing.
     if has_station && diagnostics.iter().all(|message| message.code != Code::Station) {
         diagnostics.extend(plcc_program::check_modules(&program));
@@ -311,6 +298,30 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
     diagnostics.extend(project::set_named(&named_obs, &of_cpu, is_whole, &mut program));
     name_tables(&mut diagnostics, &tables_beside);
     axes::show_headings(&mut diagnostics, &axis_names, &sources);
+    tidy(&mut diagnostics, &sources);
+    Bound { sources, program, diagnostics }
+}
+
+/// The program of the sources, with its messages. With missing parts: also the text of the file of their stand-ins.
+fn resolve(input: &BindInput) -> (Program, Vec<Diagnostic>, Option<String>) {
+    // Programs of the S7-200 share nothing with those of the other families.
+    let is_s7200 = plcc_program::is_s7200(input.units);
+    if input.partial {
+        let completed = match is_s7200 {
+            true => plcc_program_s7200::complete(input),
+            false => plcc_program::complete(input),
+        };
+        return (completed.program, completed.diagnostics, Some(completed.stand_ins));
+    }
+    let (program, messages) = match is_s7200 {
+        true => plcc_program_s7200::bind(input),
+        false => plcc_program::bind(input),
+    };
+    (program, messages, None)
+}
+
+/// Sorts messages, and leaves out those that say what others say, too.
+fn tidy(diagnostics: &mut Vec<Diagnostic>, sources: &SourceMap) {
     // A use of a symbol shows the row that cannot be read.
     let shown: FxHashSet<Span> = diagnostics
         .iter()
@@ -318,15 +329,14 @@ pub fn bind(parsed: Parsed, settings: &Settings) -> Bound {
         .flat_map(|message| message.secondary.iter().map(|label| label.span))
         .collect();
     diagnostics.retain(|message| message.code != Code::SymbolTable || !shown.contains(&message.primary.span));
-    forget_doubtful(&mut diagnostics);
-    forget_absent(&mut diagnostics);
-    forget_not_connected(&mut diagnostics);
-    forget_lost(&mut diagnostics, &sources);
-    forget_other_ends(&mut diagnostics);
-    plcc_diag::sort(&mut diagnostics);
+    forget_doubtful(diagnostics);
+    forget_absent(diagnostics);
+    forget_not_connected(diagnostics);
+    forget_lost(diagnostics, sources);
+    forget_other_ends(diagnostics);
+    plcc_diag::sort(diagnostics);
     // Two stages may find the same fault; report it once.
     diagnostics.dedup_by_key(|d| (d.code, d.primary.span));
-    Bound { sources, program, diagnostics }
 }
 
 /// Name of the file in which stand-ins for missing parts have their places.
