@@ -4,6 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use plcc_runtime::files::without_numbers;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -147,7 +148,7 @@ impl Wire {
 
     /// A line for the console of the client. `category`: `console`, `stdout`, `important`.
     pub fn say(&self, category: &str, text: &str) {
-        self.event("output", json!({ "category": category, "output": format!("{text}\n") }));
+        self.event("output", json!({ "category": category, "output": format!("{}\n", without_numbers(text)) }));
     }
 
     /// The answer to a request. `Err`: why there is none, for the user.
@@ -159,6 +160,7 @@ impl Wire {
                 message["body"] = body;
             }
             Err(error) => {
+                let error = without_numbers(&error);
                 message["success"] = false.into();
                 message["message"] = error.clone().into();
                 message["body"] = json!({ "error": { "id": 1, "format": error, "showUser": true } });
