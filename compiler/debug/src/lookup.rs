@@ -100,6 +100,9 @@ impl<'a> Here<'a> {
                 (_, _) => Err(format!("`{root}` is a value without members")),
             };
         }
+        if let Some(found) = self.with_address(local) {
+            return Ok(found);
+        }
         if only_local {
             return Err(format!("`#{local}` is not a variable of the block that runs"));
         }
@@ -145,6 +148,17 @@ impl<'a> Here<'a> {
         let rules: [fn(&str, &str) -> bool; 2] = [|a, b| a == b, |a, b| a.to_lowercase() == b.to_lowercase()];
         let names: Vec<(String, Found)> = self.locals();
         rules.iter().find_map(|is_it| names.iter().find(|(own, _)| is_it(own, name)).map(|(_, found)| found.clone()))
+    }
+
+    /// A variable with an address that the block declares, in PLCopen XML: a tag that has the name of the block before its own.
+    fn with_address(&self, text: &str) -> Option<Found> {
+        let block = self.block().map(|block| block.name.as_str()).filter(|block| !block.is_empty())?;
+        let (name, rest) = text.split_at(text.find(['.', '[']).unwrap_or(text.len()));
+        let tag = format!("{block}.{name}");
+        let names = || self.cpu.image.symbols.iter().map(|symbol| &symbol.name);
+        let own = names().find(|own| **own == tag).or_else(|| names().find(|own| own.eq_ignore_ascii_case(&tag)))?;
+        let source = Source::find(&format!("\"{own}\"{rest}"), &self.cpu.image, None).ok()?;
+        source.check(self.cpu).is_ok().then_some(Found::Value(source))
     }
 
     /// All variables and constants of the block.
