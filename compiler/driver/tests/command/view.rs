@@ -125,6 +125,27 @@ fn a_last_box_of_fbd_is_where_its_wire_branches() {
 }
 
 #[test]
+fn assignments_of_fbd_have_the_signs_of_the_editor() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    let coils = "Coil( %Q0.0 ) I_Coil( %Q0.1 ) P_Coil( operand => %Q0.2, bit := %M0.0 ) N_Coil( operand => %Q0.3, bit := %M0.1 )";
+    let network = |language: &str, rung: &str| {
+        format!("{{ S7_Language := \"{language}\" }}\nNETWORK\n  RUNG {rung} {coils} END_RUNG\nEND_NETWORK\n")
+    };
+    let (fbd, lad) = (network("FBD", "%I0.0 A( in2 := %I0.1 )"), network("LAD", "wire#powerrail Contact( %I0.0 )"));
+    fs::write(folder.join("signs.s7dcl"), format!("FUNCTION Signs : Void\n{fbd}{lad}END_FUNCTION\n"))
+        .expect("the folder can be written");
+    let output = plcc(folder, &["view", "signs.s7dcl", "--cpu", "s7-1500", "-o", "drawings"]);
+    for (number, signs, others) in
+        [(1, [">=<", ">/=<", ">P=<", ">N=<"], ">P<"), (2, [">P<", ">N<", ">Q0.0<", ">Q0.1<"], "P=<")]
+    {
+        let picture = fs::read_to_string(folder.join(format!("drawings/FC_1_network_{number}.svg")));
+        let picture = picture.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&output.stderr)));
+        assert!(signs.iter().all(|sign| picture.contains(sign)) && !picture.contains(others), "{picture}");
+    }
+}
+
+#[test]
 fn pins_have_the_names_of_the_editors() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();

@@ -58,7 +58,12 @@ pub fn symbol(row: &Row, element: &Element, language: Language) -> Option<String
         Some(format!("{open}{text}{close}"))
     };
     let contact = |text: &str| Some(format!("|{text}|"));
-    let assign = if language == Language::Fbd { "=" } else { " " };
+    // The boxes of FBD are `=`, `/=`, `P=` and `N=`.
+    let assigned = |in_lad: &str| match (language, in_lad) {
+        (Language::Fbd, sign) => coil(&format!("{sign}=")),
+        (Language::Lad | Language::Scl | Language::Stl, "") => coil(" "),
+        (Language::Lad | Language::Scl | Language::Stl, sign) => coil(sign),
+    };
     match row.kind {
         Kind::Contact => contact(if negated { "/" } else { " " }),
         Kind::Not => contact("NOT"),
@@ -67,10 +72,10 @@ pub fn symbol(row: &Row, element: &Element, language: Language) -> Option<String
         Kind::Variant(_) => contact(row.name),
         Kind::Valid { valid } => contact(if valid { "OK" } else { "NOT_OK" }),
         Kind::Flag(_) => contact(row.name.trim_end_matches("_FlagContact").trim_end_matches("_Flags_Contact")),
-        Kind::Coil => coil(if negated { "/" } else { assign }),
+        Kind::Coil => assigned(if negated { "/" } else { "" }),
         Kind::SetCoil => coil("S"),
         Kind::ResetCoil => coil("R"),
-        Kind::EdgeCoil { rising } => coil(if rising { "P" } else { "N" }),
+        Kind::EdgeCoil { rising } => assigned(if rising { "P" } else { "N" }),
         Kind::BitField { set } => coil(if set { "SET_BF" } else { "RESET_BF" }),
         Kind::TimerCoil(name) => coil(name),
         Kind::S5Timer(name) if language == Language::Lad && !is_timer_box(element) => coil(match name {
