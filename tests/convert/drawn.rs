@@ -87,7 +87,10 @@ fn statements_as_networks_do_the_same() {
 /// All combinations of five inputs: the statements, and the networks that are drawn from them.
 #[test]
 fn ladder_shapes_keep_their_logic() {
-    const SHAPES: [&str; 29] = [
+    const SHAPES: [&str; 32] = [
+        "A I 0.0; A I 0.1; O; X I 0.2; = Q 0.0; A I 0.3; O; X( ; O I 0.1; A I 0.4; ) ; = Q 0.1;",
+        "A I 0.0; A I 0.1; O; AN I 0.2; NOT; = Q 0.0; S Q 0.1; A I 0.3; = Q 0.2;",
+        "A I 0.0; O; A I 0.1; NOT; O I 0.2; A I 0.3; = Q 0.0;",
         "A I 0.0; = L 20.0; A L 20.0; BLD 102; A I 0.1; = Q 0.0; A L 20.0; AN I 0.1; S Q 0.1; A L 20.0; O I 0.2; = Q 0.2;",
         "A I 0.0; A I 0.1; = Q 0.0;",
         "A I 0.0; AN I 0.1; O; AN I 0.2; A I 0.3; = Q 0.0;",
@@ -134,6 +137,41 @@ fn ladder_shapes_keep_their_logic() {
             let results = [("a.stl", &source), ("a.s7dcl", &document.text)].map(|(name, text)| truth_table(name, text));
             assert_eq!(results[0], results[1], "{shape} in {language:?}:\n{}", document.text);
         }
+    }
+}
+
+/// SAVE does not end the string of logic, and NOT does not end the OR of branches: what follows is not what networks would show.
+#[test]
+fn logic_that_goes_on_is_refused() {
+    const REFUSED: [(&str, &str); 6] = [
+        ("A I 0.0; SAVE; A I 0.1; = Q 0.0;", "logic that goes on after `SAVE`"),
+        ("A I 0.0; SAVE; NOT; O( ; A I 0.1; ) ; = Q 0.0;", "logic that goes on after `SAVE`"),
+        ("A I 0.0; SAVE; NETWORK; L 1; T MW 2; A I 0.1; = Q 0.0;", "logic that goes on after `SAVE`"),
+        ("A I 0.0; O; A I 0.1; NOT; A I 0.2; = Q 0.0;", "an AND after `NOT`"),
+        ("A I 0.0; O; A I 0.1; NOT; AN( ; O I 0.2; ) ; = Q 0.0;", "an AND after `NOT`"),
+        ("A I 0.0; O; NOT; O I 0.1; = Q 0.0;", "`NOT` after `O`"),
+    ];
+    const DRAWN: [&str; 4] = [
+        "SET; SAVE; A I 0.1; = Q 0.0;",
+        "A I 0.0; = Q 0.0; SAVE; A I 0.1; = Q 0.1;",
+        "A I 0.0; SAVE; = Q 0.0; A I 0.1; = Q 0.1;",
+        "A I 0.0; SAVE; NETWORK; SET; = Q 0.0;",
+    ];
+    let messages_of = |body: &str| {
+        let body = body.replace("NETWORK; ", "NETWORK\n").replace("; ", ";\n");
+        let source = format!("FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n{body}\nEND_FUNCTION\n");
+        let (unit, messages) = parsed(&source, Some(Mnemonics::En));
+        assert!(!has_errors(&messages), "{messages:#?}\n{source}");
+        let types = Types::new(std::iter::once(&unit), &[]);
+        to_graph::unit(&unit, &types, Language::Lad).1
+    };
+    for (body, reason) in REFUSED {
+        let messages = messages_of(body);
+        assert!(messages.iter().any(|one| one.is_error() && one.title.contains(reason)), "{body}: {messages:#?}");
+    }
+    for body in DRAWN {
+        let messages = messages_of(body);
+        assert!(!has_errors(&messages), "{body}: {messages:#?}");
     }
 }
 

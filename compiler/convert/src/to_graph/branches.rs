@@ -101,7 +101,7 @@ impl Reader<'_> {
                     Some(_) | None => Ok(()),
                 }
             }
-            StlInsn::And if self.fresh && self.nesting.is_empty() => {
+            StlInsn::And if self.fresh && !self.is_saved && self.nesting.is_empty() => {
                 let kept = self.branches.as_mut().and_then(|branches| branches.0.get_mut(&place));
                 let kept = kept.ok_or("a branch that begins in another network")?;
                 // The CPU executes that rung before the rest of the branch.

@@ -24,7 +24,7 @@ impl Logic {
     }
 
     pub fn join(&mut self, join: Join, signal: Signal) {
-        if join != Join::And && !self.alternatives.is_empty() && self.current.is_some() {
+        if join != Join::And && !self.alternatives.is_empty() {
             // Whatever is not a series ends AND before OR.
             self.current = self.value();
             self.alternatives.clear();

@@ -63,10 +63,12 @@ pub fn block(
     let mut messages = Vec::new();
     let mut body = Body::default();
     let jumps = statements::jumps(networks);
+    let mut is_saved = false;
     for network in networks {
         let span = start(network, block);
-        match statements::graph(network, (block, &jumps), types, language, (span, Purpose::Conversion)) {
+        match statements::graph(network, (block, &jumps), types, language, (span, Purpose::Conversion { is_saved })) {
             Ok(drawn) => {
+                is_saved = drawn.is_saved;
                 notes.extend(drawn.notes);
                 messages.extend(of_open_instance(&drawn.graph, language));
                 body.networks.push(made(network, language, drawn.labels, drawn.graph, span));

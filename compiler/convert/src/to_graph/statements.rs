@@ -21,6 +21,8 @@ pub struct Drawn {
     pub graph: Graph,
     /// What is not quite the same as the statements.
     pub notes: Vec<Diagnostic>,
+    /// It ends with SAVE, after which a scan goes on with the string of logic.
+    pub is_saved: bool,
 }
 
 /// A statement that has no form.
@@ -32,11 +34,10 @@ pub struct Refused {
 /// What a network is drawn for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    Conversion,
+    /// `is_saved`: the network before it ends with SAVE.
+    Conversion { is_saved: bool },
     /// Types that are not known do not matter. `branches`: bits of local data are lines.
-    Picture {
-        branches: bool,
-    },
+    Picture { branches: bool },
 }
 
 /// The labels of a network, and its elements.
@@ -57,7 +58,9 @@ pub fn graph(
         types,
         block,
         jumps,
-        is_picture: purpose != Purpose::Conversion,
+        is_picture: matches!(purpose, Purpose::Picture { .. }),
+        is_saved: purpose == Purpose::Conversion { is_saved: true },
+        is_held: false,
         branches: (purpose == Purpose::Picture { branches: true }).then(Branches::default),
         closed: HashSet::new(),
         labels: Vec::new(),
@@ -83,7 +86,7 @@ pub fn graph(
     if reader.branches.as_ref().is_some_and(Branches::has_unused) {
         return Err(vec![refusal(end, "a branch that is not continued", language)]);
     }
-    Ok(Drawn { labels: reader.labels, graph: reader.drawing.graph, notes: reader.notes })
+    Ok(Drawn { labels: reader.labels, graph: reader.drawing.graph, notes: reader.notes, is_saved: reader.is_saved })
 }
 
 pub(super) fn refusal(span: Span, reason: &str, language: Language) -> Diagnostic {
@@ -129,6 +132,10 @@ pub struct Reader<'a> {
     pub loads: Vec<(Expr, Span, Kind)>,
     /// The RLO has been used: the next scan begins a new string of logic, another coil shares it.
     pub fresh: bool,
+    /// The last use of the RLO was SAVE, which does not end the string of logic.
+    pub is_saved: bool,
+    /// NOT came after branches that `O` joins: the CPU joins what an AND makes of it with them once more.
+    pub is_held: bool,
     /// The last coil, and its flow.
     pub chain: Option<(usize, Signal)>,
     pub types: &'a Types<'a>,
@@ -181,15 +188,28 @@ impl Reader<'_> {
                 self.drawing.element("ReturnCoil", pins, None);
                 return Ok(());
             }
-            if let Some(len) = self.boxed(&statements[at..])? {
-                at += len;
-                continue;
-            }
-            let last = is_whole && statements[at + 1..].iter().all(|rest| does_nothing(rest));
-            self.statement(statement, last).map_err(here)?;
-            at += 1;
+            let len = match self.boxed(&statements[at..])? {
+                Some(len) => len,
+                None => {
+                    let last = is_whole && statements[at + 1..].iter().all(|rest| does_nothing(rest));
+                    self.statement(statement, last).map_err(here)?;
+                    1
+                }
+            };
+            statements[at..at + len].iter().for_each(|done| self.note_end(done));
+            at += len;
         }
         Ok(())
+    }
+
+    /// What ends the string of logic after SAVE.
+    fn note_end(&mut self, done: &Statement) {
+        match &done.kind {
+            // The last sign is what becomes of /FC.
+            StatementKind::Instruction { insn, .. } => self.is_saved &= insn.status().ends_with('-'),
+            StatementKind::Call(_) => self.is_saved = false,
+            StatementKind::Empty | StatementKind::Pragma(_) | StatementKind::Error => {}
+        }
     }
 
     /// A box whose BR differs from that of the statements after an overflow.
@@ -225,6 +245,7 @@ impl Reader<'_> {
             I::And => self.scan(Join::And, operand, false),
             I::AndNot => self.scan(Join::And, operand, true),
             I::Or if operand.is_none() => {
+                self.goes_on(Join::And)?;
                 let Some(current) = self.logic.current.take().filter(|_| !self.fresh) else { return Err(named()) };
                 self.logic.alternatives.push(current);
                 Ok(())
@@ -245,17 +266,23 @@ impl Reader<'_> {
                     return Err(named());
                 };
                 self.logic = around;
-                self.fresh = false;
+                (self.fresh, self.is_held) = (false, false);
                 self.join(join, if negated { value.inverted() } else { value });
                 Ok(())
             }
             I::Not => {
                 let Some(value) = self.logic.value() else { return Err(named()) };
+                // The next scan is the first one if the RLO was 0.
+                if self.logic.current.is_none() {
+                    return Err("`NOT` after `O`".to_string());
+                }
+                self.is_held |= !self.logic.alternatives.is_empty();
                 self.logic = Logic { alternatives: Vec::new(), current: Some(value.inverted()) };
                 Ok(())
             }
             I::SetRlo | I::ClearRlo => {
                 self.unused()?;
+                self.is_held = false;
                 self.logic = Logic { alternatives: Vec::new(), current: Some(Signal::Constant(insn == I::SetRlo)) };
                 self.fresh = true;
                 Ok(())
@@ -268,13 +295,18 @@ impl Reader<'_> {
                 _ => self.coil("S_Coil", operand),
             },
             I::Reset => self.coil("R_Coil", operand),
-            I::Save => self.save_coil(),
+            I::Save => {
+                let is_open = !self.fresh;
+                self.save_coil()?;
+                self.is_saved = is_open;
+                Ok(())
+            }
             I::EdgePositive | I::EdgeNegative => {
                 let bit = expression(operand.ok_or_else(named)?)?;
                 let Some(of) = self.logic.value() else { return Err(named()) };
                 let edge = Signal::Edge { of: Box::new(of), bit, rising: insn == I::EdgePositive, span };
                 self.logic = Logic { alternatives: Vec::new(), current: Some(edge) };
-                self.fresh = false;
+                (self.fresh, self.is_held) = (false, false);
                 Ok(())
             }
             I::Load => self.load(operand, span),
@@ -300,6 +332,7 @@ impl Reader<'_> {
     // Logic.
 
     fn scan(&mut self, join: Join, operand: Option<&Operand>, negated: bool) -> Result<(), Reason> {
+        self.goes_on(join)?;
         let operand = operand.ok_or("an instruction without its operand")?;
         let signal = match &operand.kind {
             OperandKind::Status(status) => Signal::Flag { element: flag(*status), span: operand.span },
@@ -309,7 +342,17 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Before a scan: what the CPU does after SAVE, and after NOT of branches that `O` joins, is not what networks would show.
+    fn goes_on(&self, join: Join) -> Result<(), Reason> {
+        match () {
+            () if self.is_saved => Err("logic that goes on after `SAVE`".to_string()),
+            () if self.is_held && join == Join::And => Err("an AND after `NOT` of branches that `O` joins".to_string()),
+            () => Ok(()),
+        }
+    }
+
     pub fn join(&mut self, join: Join, signal: Signal) {
+        self.is_held = false;
         if std::mem::replace(&mut self.fresh, false) {
             self.logic = Logic::default();
         }
@@ -317,6 +360,8 @@ impl Reader<'_> {
     }
 
     fn open(&mut self, join: Join, negated: bool) -> Result<(), Reason> {
+        self.goes_on(join)?;
+        self.is_held = false;
         if std::mem::replace(&mut self.fresh, false) {
             self.logic = Logic::default();
         }
@@ -333,6 +378,7 @@ impl Reader<'_> {
             return Err("an instruction that uses the result of logic of another network".to_string());
         };
         let again = std::mem::replace(&mut self.fresh, true);
+        (self.is_saved, self.is_held) = (false, false);
         let value = match self.chain.take().filter(|_| again) {
             // After a coil of the same flow.
             Some((coil, signal)) if signal == value => Signal::Net(self.drawing.output(coil, "out", None)),

@@ -98,6 +98,8 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
         typed: HashMap::new(),
         rlo: None,
         sets_br: false,
+        is_scanned: false,
+        is_open: false,
     };
     maker.messages = instances::of_block(block, types);
     maker.begin_texts();
@@ -118,6 +120,20 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
     made.code = ast::Code::Stl(networks);
     maker.declare(&mut made);
     Ok(made)
+}
+
+/// Whether an instruction combines the RLO with something, if the string of logic is open.
+fn is_scan(insn: StlInsn) -> bool {
+    use StlInsn::{And, AndNot, Or, OrNot, Xor, XorNot};
+    insn.opens_nesting() || matches!(insn, And | AndNot | Or | OrNot | Xor | XorNot)
+}
+
+/// What an instruction does to /FC: whether the string of logic is open after it. `None`: it is as before.
+fn first_check(insn: StlInsn) -> Option<bool> {
+    match insn.status().chars().next_back() {
+        Some('-') | None => None,
+        sign => Some(sign != Some('0')),
+    }
 }
 
 /// What follows the statement is reached.
@@ -170,6 +186,10 @@ struct Maker<'a> {
     /// The net whose value the RLO is.
     rlo: Option<NetId>,
     sets_br: bool,
+    /// /FC is 1.
+    is_scanned: bool,
+    /// The last string of logic is open although its value was used, as after SAVE: a scan would go on with it.
+    is_open: bool,
 }
 
 impl Maker<'_> {
@@ -186,6 +206,9 @@ impl Maker<'_> {
         match &network.content {
             Content::Graphic(graph) => self.graph(graph),
             Content::Stl(list) => {
+                if self.is_open {
+                    self.push(StlInsn::ClearRlo, None);
+                }
                 for statement in list {
                     let mut statement = statement.clone();
                     match statement.label {
@@ -194,6 +217,11 @@ impl Maker<'_> {
                     }
                     // ENO of the block does not follow the blocks that they call.
                     self.sets_br |= matches!(statement.kind, StatementKind::Call(_));
+                    if let StatementKind::Instruction { insn, .. } = &statement.kind {
+                        self.is_scanned = first_check(*insn).unwrap_or(self.is_scanned);
+                    }
+                    self.is_scanned &= !matches!(statement.kind, StatementKind::Call(_));
+                    self.is_open = self.is_scanned;
                     self.statements.push(statement);
                 }
             }
@@ -228,11 +256,20 @@ impl Maker<'_> {
 
     fn push(&mut self, insn: StlInsn, operand: Option<Operand>) {
         self.rlo = None;
+        if self.is_open && (is_scan(insn) || insn == StlInsn::Jump) {
+            self.is_open = false;
+            self.push(StlInsn::ClearRlo, None);
+        }
+        self.is_open = self.is_scanned && insn == StlInsn::Save || self.is_open && first_check(insn).is_none();
+        self.is_scanned = first_check(insn).unwrap_or(self.is_scanned);
         let kind = StatementKind::Instruction { insn, mnemonic_span: self.span, operand };
         self.push_kind(kind);
     }
 
     fn push_kind(&mut self, kind: StatementKind) {
+        if matches!(kind, StatementKind::Call(_)) {
+            (self.is_scanned, self.is_open) = (false, false);
+        }
         while self.pending.len() > 1 {
             let label = self.pending.remove(0);
             let operand = Some(number(0, self.span));

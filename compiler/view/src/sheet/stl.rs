@@ -29,6 +29,10 @@ struct Maker<'a> {
     loaded: Vec<Label>,
     /// The span was assigned: only further coils follow it.
     assigned: bool,
+    /// The last use of the RLO was SAVE, which does not end the string of logic.
+    saved: bool,
+    /// NOT came after branches that `O` joins: the CPU joins what an AND makes of it with them once more.
+    held: bool,
     /// What local bits keep: STEP 7 writes branches like that. None: they are coils and contacts.
     kept: Option<HashMap<String, Kept>>,
     /// Rungs that have begun after an assignment.
@@ -72,6 +76,8 @@ fn rungs(
         outer: Vec::new(),
         loaded: Vec::new(),
         assigned: false,
+        saved: false,
+        held: false,
         begun: 0,
     };
     let count = statements.len();
@@ -131,12 +137,15 @@ impl Maker<'_> {
                 self.scan(sign, label)
             }
             Or if label.is_none() => {
+                self.goes_on(true)?;
                 self.close_branch()?;
                 self.branch = Some(self.span.take().ok_or("has no logic before it")?);
                 Ok(())
             }
             Or | OrNot => {
                 let sign = if insn == Or { "" } else { "/" };
+                self.goes_on(false)?;
+                self.held = false;
                 self.begin();
                 self.close_branch()?;
                 match self.span {
@@ -149,6 +158,8 @@ impl Maker<'_> {
                 }
             }
             AndNest | AndNotNest | OrNest | OrNotNest => {
+                self.goes_on(matches!(insn, AndNest | AndNotNest))?;
+                self.held = false;
                 self.begin();
                 if matches!(insn, OrNest | OrNotNest) {
                     self.close_branch()?;
@@ -158,12 +169,14 @@ impl Maker<'_> {
             }
             CloseNest => self.close(),
             Not => {
+                self.held |= self.branch.is_some();
                 self.close_branch()?;
                 let span = self.span.filter(|_| !self.assigned).ok_or("has no logic before it")?;
                 self.span = Some(self.rungs.then(span, "NOT", Vec::new()));
                 Ok(())
             }
             EdgePositive | EdgeNegative => {
+                (self.held, self.saved) = (false, false);
                 self.close_branch()?;
                 let span = self.span.filter(|_| !self.assigned).ok_or("has no logic before it")?;
                 let sign = if insn == EdgePositive { "P" } else { "N" };
@@ -173,6 +186,7 @@ impl Maker<'_> {
             SetRlo => {
                 self.span = Some(Span::at(self.rungs.net()));
                 (self.branch, self.assigned) = (None, false);
+                (self.held, self.saved) = (false, false);
                 Ok(())
             }
             Assign => self.coil("", label, false),
@@ -181,7 +195,13 @@ impl Maker<'_> {
             }
             Set => self.coil("S", label, false),
             Reset => self.coil("R", label, false),
-            Save => self.coil("SAVE", None, false),
+            Save => {
+                // SET begins no string of logic.
+                let is_open = !self.assigned && self.span.is_some_and(|span| span.start != span.end);
+                self.coil("SAVE", None, false)?;
+                self.saved = is_open;
+                Ok(())
+            }
             Load => {
                 if self.loaded.len() == 2 {
                     return Err("loads a third value".to_string());
@@ -230,7 +250,17 @@ impl Maker<'_> {
         }
     }
 
+    /// Before a scan: what the CPU does after SAVE, and after NOT of branches that `O` joins, is not what a ladder would show.
+    fn goes_on(&self, is_and: bool) -> Result<(), String> {
+        match () {
+            () if self.saved => Err("goes on after `SAVE`".to_string()),
+            () if self.held && is_and => Err("is an AND after `NOT` of branches that `O` joins".to_string()),
+            () => Ok(()),
+        }
+    }
+
     fn scan(&mut self, sign: &str, label: Option<Label>) -> Result<(), String> {
+        self.goes_on(true)?;
         self.begin();
         let labels: Vec<Label> = label.into_iter().collect();
         self.span = Some(match self.span {
@@ -245,6 +275,10 @@ impl Maker<'_> {
         if !self.outer.is_empty() || !self.loaded.is_empty() {
             return Err("is inside of other logic".to_string());
         }
+        if insn == StlInsn::And {
+            self.goes_on(true)?;
+        }
+        (self.held, self.saved) = (false, false);
         match insn {
             StlInsn::Assign => {
                 self.close_branch()?;
@@ -292,6 +326,7 @@ impl Maker<'_> {
         self.close_branch()?;
         let inner = self.span.take().ok_or("closes an empty parenthesis")?;
         let Outer { before, branch, opened } = self.outer.pop().ok_or("closes no parenthesis")?;
+        self.held = false;
         let inner = match opened {
             StlInsn::AndNotNest | StlInsn::OrNotNest => self.rungs.then(inner, "NOT", Vec::new()),
             _ => inner,
@@ -322,6 +357,7 @@ impl Maker<'_> {
             return Err("is inside of a parenthesis".to_string());
         }
         self.close_branch()?;
+        (self.held, self.saved) = (false, false);
         let span = self.span.ok_or("has no logic before it")?;
         let mut labels: Vec<Label> = label.into_iter().collect();
         if timed {
@@ -379,7 +415,7 @@ impl Maker<'_> {
         let pins = pins.collect();
         let look = Look::Box { title, detail: String::new(), instance: call.instance.as_ref().map(self.label) };
         self.rungs.part(look, Meaning::Other, pins, Some(net), None);
-        (self.span, self.assigned) = (None, false);
+        (self.span, self.assigned, self.saved) = (None, false, false);
         Ok(())
     }
 }

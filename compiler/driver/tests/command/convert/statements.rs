@@ -16,6 +16,27 @@ fn start_values_keep_the_digits_of_an_lreal() {
     }
 }
 
+/// SAVE does not end the string of logic: without CLR, the next rung would be an AND with it.
+#[test]
+fn rungs_after_save_begin_anew() {
+    let rung = |rung: &str| format!("        RUNG wire#powerrail  {rung}  END_RUNG\n");
+    let network = |rungs: &[&str]| {
+        let rungs: String = rungs.iter().map(|one| rung(one)).collect();
+        format!("    {{ S7_Language := \"LAD\" }}\n    NETWORK\n{rungs}    END_NETWORK\n")
+    };
+    let saved = "Contact( %M0.7 )  SaveCoil()";
+    let first = network(&[saved, "I_Contact( %M0.7 )  Coil( %Q4.0 )", saved]);
+    let second = network(&["I_Contact( %M0.7 )  Coil( %Q4.1 )"]);
+    let source = format!(
+        "//@ cpu s7-300\nORGANIZATION_BLOCK Main\n{first}    //@ assert %Q4.0 == 1\n{second}    //@ assert %Q4.1 == 1\n\
+         END_ORGANIZATION_BLOCK\n"
+    );
+    let folder = folder_with(&[("save.s7dcl", &source)]);
+    expect_passed(&folder, &["save.s7dcl"], 2);
+    done(&folder, &["convert", "save.s7dcl", "--to", "stl", "-o", "save.stl"]);
+    expect_passed(&folder, &["save.stl"], 2);
+}
+
 /// NOP is not an element: what is between it and the first one is before the network.
 #[test]
 fn assertions_after_nop_stand_before_their_network() {

@@ -134,6 +134,19 @@ fn a_local_bit_of_a_branch_is_a_line() {
     }
 }
 
+/// SAVE does not end the string of logic, and NOT does not end the OR of branches: as rungs, such statements would show something else.
+#[test]
+fn logic_that_goes_on_is_text() {
+    let saved = "NETWORK\nA I 0.0;\nSAVE;\nA I 0.1;\n= Q 4.0;\n";
+    let inverted = "NETWORK\nA I 0.0;\nO;\nA I 0.1;\nNOT;\nA I 0.2;\n= Q 4.1;\n";
+    let whole = "NETWORK\nA I 0.0;\nO;\nA I 0.1;\nNOT;\n= Q 4.2;\nSAVE;\nA I 0.3;\n= Q 4.3;\n";
+    let source = format!("FUNCTION FC 5 : VOID\nBEGIN\n{saved}{inverted}{whole}END_FUNCTION\n");
+    let pictures = pictures("open.awl", &source, S7_300);
+    let mut names: Vec<&String> = pictures.keys().collect();
+    names.sort();
+    assert_eq!(names, ["FC_5_network_3"]);
+}
+
 /// As lines, branches would not show where the contact in the other network gets its value.
 #[test]
 fn a_local_bit_that_another_network_reads_is_a_coil() {
