@@ -295,6 +295,18 @@ impl<'a> Classifier<'a, '_> {
             qualifier::parse(mark).filter(|_| !self.joins(last - 1))?;
             return Some(format!("write `{operand} ({mark})`"));
         };
+        // `Q0.0 (D) := T#5S`
+        if let Some(close) = (open + 1..last).find(|index| self.kind_at(*index) == Some(RawKind::RightParen))
+            && matches!(self.kind_at(close + 1), Some(RawKind::Comma | RawKind::Assign))
+        {
+            let (operand, mark, value) = (slice(row, open)?, slice(open + 1, close)?, slice(close + 2, last + 1)?);
+            return match Event::of(mark) {
+                Some(_) => Some(format!("write `{operand} := {value} ({mark} N)`: the parenthesis is last")),
+                None => {
+                    qualifier::parse(mark).map(|_| format!("write `{operand} := {value} ({mark})`: the parenthesis is last"))
+                }
+            };
+        }
         if self.kind_at(last) != Some(RawKind::RightParen) {
             return None;
         }
