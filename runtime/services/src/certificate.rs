@@ -115,6 +115,19 @@ fn self_signed(key: &RsaPrivateKey, subject: &Subject) -> Option<Vec<u8>> {
     builder.build::<Signature>().ok()?.to_der().ok()
 }
 
+/// Whether a certificate, the first one of a chain, is for the application of OPC UA with this name.
+pub fn is_of(chain: &[u8], uri: &str) -> bool {
+    let certificate = SliceReader::new(chain).and_then(|mut reader| Certificate::decode(&mut reader));
+    let Ok(certificate) = certificate else { return false };
+    let Ok(Some((_, SubjectAltName(names)))) = certificate.tbs_certificate.get::<SubjectAltName>() else {
+        return false;
+    };
+    names.iter().any(|name| match name {
+        GeneralName::UniformResourceIdentifier(own) => AsRef::<str>::as_ref(own) == uri,
+        _ => false,
+    })
+}
+
 /// A certificate of somebody else.
 #[derive(Clone)]
 pub struct Client {

@@ -18,7 +18,7 @@ use rsa::traits::PublicKeyParts;
 use super::crypto::thumbprint;
 use super::status::{self, Status};
 pub use crate::certificate::Client;
-use crate::certificate::{KEY_BITS, Subject, hold, make, write_key, write_whole};
+use crate::certificate::{KEY_BITS, Subject, hold, is_of, make, write_key, write_whole};
 
 /// Certificate and key of this server.
 pub struct Own {
@@ -41,6 +41,13 @@ impl Own {
         match Client::parse(&certificate) {
             Some(found) if found.key == key.to_public_key() && KEY_BITS / 8 == key.size() => {}
             Some(_) | None => return Err(failed(&file, &"not the certificate of a key of 2048 bits in own.pem")),
+        }
+        if !is_of(&certificate, uri) {
+            let file = file.display();
+            crate::say(&format!(
+                "--opcua: {file} is not the certificate of {uri}, so some clients refuse it: each program needs a folder of its own, \
+                 `opcua_folder` in [services]; a new certificate is made if own.der and own.pem are removed"
+            ));
         }
         let thumbprint = thumbprint(&certificate);
         Ok(Own { key, certificate, thumbprint })

@@ -19,6 +19,7 @@ use super::range::Range;
 use super::standard::{self, HAS_COMPONENT, ROWS};
 use super::status;
 use super::values::Variable;
+use crate::certificate::is_of;
 
 fn variable(ty: AssertType, length: u16, dimensions: Vec<Dimension>) -> Variable {
     Variable { place: Place::Db(1, 0), bit: 0, ty: ValueType { ty, length }, dimensions, read_only: false }
@@ -148,6 +149,7 @@ fn a_certificate_is_made_once() {
     });
     assert_eq!(first.certificate, second.certificate);
     assert_eq!(load().map(|own| own.certificate), Ok(first.certificate.clone()));
+    assert!(is_of(&first.certificate, "urn:plcc:a") && !is_of(&first.certificate, "urn:plcc:b"));
     // A chain begins with it.
     let chain = [&first.certificate[..], &[1, 2, 3]].concat();
     assert_eq!(Client::parse(&chain).map(|client| client.der), Some(first.certificate.clone()));
