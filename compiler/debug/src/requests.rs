@@ -207,6 +207,7 @@ impl Debugger {
             None => frame_of(state, request).and_then(|frame| self.here(cpu, &state.stack, frame).find(name)),
         };
         let top = self.here(cpu, &state.stack, None);
+        let has_several = matches!(found, Ok(Found::Values(_)));
         let answer = match found.map(|found| top.looked(&found)) {
             Ok(Some(looked)) => json!({
                 "dataId": format!("{}={name}", looked.text()),
@@ -214,6 +215,10 @@ impl Debugger {
                 "accessTypes": ["write"],
                 "canPersist": looked.is_fixed(),
             }),
+            Ok(None) if has_several => {
+                let description = format!("{name} has several values; break on the change of one of them");
+                json!({ "dataId": null, "description": description })
+            }
             Ok(None) => {
                 json!({ "dataId": null, "description": format!("{name} is not a value that lasts from call to call") })
             }
