@@ -210,7 +210,9 @@ impl Binder<'_> {
                 return message.help(channels);
             }
             if let Some(number @ ("0" | "1" | "2" | "3" | "4" | "5")) = fold(name).strip_prefix("hsc") {
-                return message.help(format!("the value of the counter is `HC{number}`; HDEF and HSC take its number, `{number}`"));
+                return message.help(format!(
+                    "the value of the counter is `HC{number}`; HDEF and HSC take its number, `{number}`"
+                ));
             }
             let is_quoted = span.end - span.start == name.len() as u32 + 2;
             match (near.as_slice(), has_tables) {

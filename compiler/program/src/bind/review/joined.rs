@@ -63,7 +63,9 @@ impl Conditions<'_> {
                 self.collect(left, op, list);
                 self.collect(right, op, list);
             }
-            ExprKind::Compare { op, left, right } if !calls_block(value) => list.extend(self.comparison(*op, left, right, value.span)),
+            ExprKind::Compare { op, left, right } if !calls_block(value) => {
+                list.extend(self.comparison(*op, left, right, value.span))
+            }
             _ if calls_block(value) => list.clear(),
             _ => {}
         }

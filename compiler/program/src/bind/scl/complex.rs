@@ -88,7 +88,8 @@ impl SclBinder<'_, '_> {
                         true => difference.unwrap_or_else(|| "their components or bounds differ".to_string()),
                         false => copied.unwrap_or_else(|| match (from.as_str(), wanted.as_str()) {
                             ("DTL", "DATE_AND_TIME") => {
-                                "STEP 7 V5 has no DTL: `D_TOD_DT(IN1 := …, IN2 := …)` joins a date and a time of day".to_string()
+                                "STEP 7 V5 has no DTL: `D_TOD_DT(IN1 := …, IN2 := …)` joins a date and a time of day"
+                                    .to_string()
                             }
                             _ => "name a variable of the same type, or assign the parts one by one".to_string(),
                         }),

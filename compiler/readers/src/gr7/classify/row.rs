@@ -302,9 +302,8 @@ impl<'a> Classifier<'a, '_> {
             let (operand, mark, value) = (slice(row, open)?, slice(open + 1, close)?, slice(close + 2, last + 1)?);
             return match Event::of(mark) {
                 Some(_) => Some(format!("write `{operand} := {value} ({mark} N)`: the parenthesis is last")),
-                None => {
-                    qualifier::parse(mark).map(|_| format!("write `{operand} := {value} ({mark})`: the parenthesis is last"))
-                }
+                None => qualifier::parse(mark)
+                    .map(|_| format!("write `{operand} := {value} ({mark})`: the parenthesis is last")),
             };
         }
         if self.kind_at(last) != Some(RawKind::RightParen) {
