@@ -103,7 +103,7 @@ pub fn symbol(row: &Row, element: &Element, language: Language) -> Option<String
         }),
         Kind::CallCoil => coil("CALL"),
         Kind::Save => coil("SAVE"),
-        Kind::Condition => coil(assign),
+        Kind::Condition => assigned(""),
         Kind::Gate(_)
         | Kind::EdgeTrigger { .. }
         | Kind::FlipFlop { .. }
