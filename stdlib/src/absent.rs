@@ -249,7 +249,7 @@ const NUMBERS: &[(BlockClass, &[(u16, &str)])] = &[
     ]),
     (BlockClass::Sfb, &[
         (16, "PRINT"), (19, "START"), (20, "STOP"), (21, "RESUME"), (22, "STATUS"), (23, "USTATUS"), (29, "HS_COUNT"),
-        (30, "FREQ_MES"), (38, "HSC_A_B"), (39, "POS"), (41, "CONT_C"), (42, "CONT_S"), (43, "PULSEGEN"), (44, "ANALOG"),
+        (30, "FREQ_MES"), (38, "HSC_A_B"), (39, "POS"), (44, "ANALOG"),
         (46, "DIGITAL"), (47, "COUNT"), (48, "FREQUENC"), (49, "PULSE"), (60, "SEND_PTP"), (61, "RCV_PTP"), (62, "RES_RCVB"),
         (63, "SEND_RK"), (64, "FETCH_RK"), (65, "SERVE_RK"), (73, "RCVREC"), (74, "PRVREC"), (104, "IP_CONF"),
     ]),

@@ -269,12 +269,17 @@ pub fn standard_name(name: &str) -> &str {
     LONG_NAMES.iter().find(|(long, _)| long.eq_ignore_ascii_case(name.trim())).map_or(name, |(_, short)| short)
 }
 
-/// A block of the CPU or of a library of STEP 7 V5 by standard name, in any letter case. A block of the CPU has priority.
+/// SFBs that only compact CPUs have, CPU 31xC: CONT_C, CONT_S and PULSEGEN. Elsewhere these are FBs of a library.
+const OF_COMPACT_CPUS: std::ops::RangeInclusive<u16> = 41..=43;
+
+/// A block of the CPU or of a library of STEP 7 V5 by standard name, in any letter case. A block of the CPU has priority, unless only
+/// compact CPUs have it.
 pub fn find_name(name: &str) -> Option<&'static SystemBlock> {
     let name = standard_name(name);
     blocks()
         .iter()
         .filter(|block| !block.is_tia() && block.name.eq_ignore_ascii_case(name))
+        .filter(|block| block.class != BlockClass::Sfb || !OF_COMPACT_CPUS.contains(&block.number))
         .max_by_key(|block| block.class)
 }
 
