@@ -198,6 +198,23 @@ pub fn of_second_operand(set: Mnemonics, insn: StlInsn, operand: &str, second: &
                 false => format!("remove it for a bit; for a counter {counter}"),
             })
         }
+        // `SLW MW 0, 3`, as in other languages.
+        StlInsn::ShiftSignedI
+        | StlInsn::ShiftSignedD
+        | StlInsn::ShiftLeftW
+        | StlInsn::ShiftRightW
+        | StlInsn::ShiftLeftD
+        | StlInsn::ShiftRightD
+        | StlInsn::RotateLeftD
+        | StlInsn::RotateRightD
+            if is_count && operand.starts_with(|c: char| c.is_alphabetic() || matches!(c, '"' | '#')) =>
+        {
+            let (load, transfer) = (StlInsn::Load.mnemonic(set), StlInsn::Transfer.mnemonic(set));
+            Some(format!("write `{load} {operand}`, `{mnemonic} {second}` and `{transfer} {operand}`"))
+        }
+        StlInsn::CountUp | StlInsn::CountDown if is_count || second.to_ascii_uppercase().starts_with("C#") => {
+            Some(format!("remove it: `{mnemonic}` counts by 1; `{}` sets a counter to a value", StlInsn::Set.mnemonic(set)))
+        }
         _ => None,
     }
 }
