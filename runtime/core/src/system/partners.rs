@@ -169,6 +169,8 @@ fn remote(any: Fields) -> Result<Remote, u16> {
     if any.head >> 24 != 0x10 {
         return Err(status::AREA);
     }
+    // Timers and counters have a number in place of a pointer.
+    let kind = if kind == 0 && matches!(code, COUNTERS | TIMERS) { code } else { kind };
     let (transport, count) = match (code, kind) {
         (COUNTERS, COUNTERS) | (TIMERS, TIMERS) => (code, count),
         (BIT, area::P | area::I | area::Q | area::M | area::DB | area::DI) if count == 1 => (BIT, 1),
@@ -253,4 +255,17 @@ fn store(call: &Call, first: usize, areas: &[Vec<u8>]) -> u16 {
         }
     }
     status::DONE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn timers_and_counters_of_a_partner_are_numbers() {
+        for transport in [TIMERS, COUNTERS] {
+            let any = Fields { head: 0x1000_0002 | u32::from(transport) << 16, db: 0, pointer: 3 };
+            assert_eq!(remote(any), Ok(Remote { transport, count: 2, db: 0, area: transport, address: 3 }));
+        }
+    }
 }
