@@ -4,10 +4,12 @@
 //! AND, OR and NOT combine bits and comparisons. With a number they are an error, since they could be meant for its bits.
 
 use plcc_abi::image::AssertType;
+use plcc_runtime::address::Width;
 use plcc_runtime::assertion;
 use plcc_runtime::plant::Expression;
 use plcc_runtime::signal::number_text;
 use plcc_runtime::typed::{self, ValueType};
+use plcc_runtime::value;
 
 /// An expression that was parsed.
 pub struct Condition {
@@ -363,7 +365,11 @@ fn literal(text: &str) -> Result<String, String> {
             return Ok(if number < 0.0 { format!("({number})") } else { format!("{number}") });
         }
     }
-    Err(format!("`{text}` is not a value that can be compared here"))
+    // A pointer, as address registers are shown.
+    match value::parse(text, Width::Dword) {
+        Ok(bits) if text.starts_with(['P', 'p']) => Ok(bits.to_string()),
+        Ok(_) | Err(_) => Err(format!("`{text}` is not a value that can be compared here")),
+    }
 }
 
 #[cfg(test)]
@@ -397,6 +403,7 @@ mod tests {
             ("MW10 - INT#-1 = 8", 1.0),
             ("MW10 > REAL#1.5E-3 AND MW10-LREAL#-7.0e+0 = 14", 1.0),
             ("MW10 = 16#E-7", 1.0),
+            ("MW10 = P#0.7 AND MW10 < P#M0.0", 1.0),
             ("MW10 = 16#7 & MW10 = W#16#7", 1.0),
             ("abs(0 - MW10) == 7.0e0", 1.0),
             ("max(MW10, 1e+2)", 100.0),
@@ -425,6 +432,7 @@ mod tests {
             ("\"Motor", "has no `\"`"),
             ("Nowhere > 1", "no Nowhere"),
             ("T#x", "not a value"),
+            ("MW10 = P#0.8", "`P#0.8` is not a value"),
             ("DB1.d = D#2026-02-28", "`D#2026-02-28` is not a value"),
             ("(DB1.d>TOD#12:30:00.5)", "`TOD#12:30:00.5` is not a value"),
             ("1x", "not a number"),
