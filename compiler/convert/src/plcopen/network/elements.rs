@@ -190,7 +190,12 @@ impl Build<'_, '_, '_, '_, '_> {
     fn edge(&mut self, rising: bool, signal: Vec<Origin>, bit: String) -> Vec<Origin> {
         let out = match self.is_ladder {
             true => {
-                let now = if rising { signal.clone() } else { self.inverted(signal.clone()) };
+                let now = match (rising, self.is_rail(&signal)) {
+                    (true, _) => signal.clone(),
+                    // The power rail never falls, and NOT cannot be the first element of a rung.
+                    (false, true) => self.contact(bit.clone(), true, signal.clone()),
+                    (false, false) => self.inverted(signal.clone()),
+                };
                 self.contact(bit.clone(), rising, now)
             }
             false => {

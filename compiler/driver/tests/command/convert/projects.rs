@@ -63,6 +63,20 @@ fn settings_of_a_program_stay_with_its_project() {
     assert_eq!(output[0], output[1]);
 }
 
+/// The power rail has no falling edge, and NOT cannot be the first element of a rung.
+#[test]
+fn falling_edges_of_the_power_rail_come_back_from_projects() {
+    let source = "ORGANIZATION_BLOCK Main\n    { S7_Language := \"LAD\" }\n    NETWORK\n        RUNG wire#powerrail  N_Trig( %M2.0 )  \
+                  S_Coil( %Q4.0 )  END_RUNG\n        RUNG wire#powerrail  N_Coil( operand => %Q4.1, bit := %M2.1 )  END_RUNG\n        \
+                  RUNG wire#powerrail  P_Trig( %M2.2 )  S_Coil( %Q4.2 )  END_RUNG\n    END_NETWORK\nEND_ORGANIZATION_BLOCK\n";
+    let folder = folder_with(&[("edges.s7dcl", source)]);
+    done(&folder, &["convert", "edges.s7dcl", "--to", "plcopen", "-o", "edges.xml"]);
+    for file in ["edges.s7dcl", "edges.xml"] {
+        let run = ["run", file, "--clock", "virtual", "--cycles", "3", "--quiet", "--print", "QB4,MB2"];
+        assert_eq!(text(&done(&folder, &run).stdout), "QB4 = 16#04\nMB2 = 16#07\n", "{file}");
+    }
+}
+
 /// Optimized access implies an S7-1500 in XML, and nothing in SCL: both follow the same rules if nothing names a CPU.
 #[test]
 fn optimized_access_names_no_other_cpu() {
