@@ -22,6 +22,8 @@ const PAIRS_MAX: usize = 2_000_000;
 const PLACES_MAX: usize = 14;
 /// Instructions of a loop without a switch that carries places which not every pass reads or writes.
 const SMALL: usize = 64;
+/// The same for sums and counters: the next pass that changes one waits for what was stored.
+const COUNTING: usize = 400;
 /// Stores and loads that the cold sides of a loop get.
 const COLD_MAX: usize = 400;
 
@@ -137,6 +139,10 @@ struct Candidate {
     accesses: Vec<Inst>,
     /// Each pass of the loop reads or writes it.
     is_usual: bool,
+    /// The block outside of cold sides that was the last to read it.
+    read_in: Option<Block>,
+    /// Such a block reads it, then writes it.
+    is_changed: bool,
 }
 
 struct Planner<'a> {
@@ -167,6 +173,7 @@ impl Planner<'_> {
         let has_arms = hot_blocks().any(|&block| ends_with_switch(function, block));
         let insts: usize = hot_blocks().map(|&block| function.blocks[block].insts.len()).sum();
         let is_small = insts <= SMALL && !has_arms;
+        let is_counting = insts <= COUNTING && !has_arms;
         for &block in &each.blocks {
             let is_cold = function.blocks[block].cold;
             // In a large loop that does this and that a place costs more before and after it than in the few passes that need it.
@@ -183,12 +190,18 @@ impl Planner<'_> {
                         writes: 0,
                         accesses: Vec::new(),
                         is_usual: false,
+                        read_in: None,
+                        is_changed: false,
                     });
                     if candidate.ty != Some(ty) {
                         candidate.ty = None;
                     }
                     *(if writes { &mut candidate.writes } else { &mut candidate.reads }) += weight.max(1);
                     candidate.is_usual |= is_usual;
+                    if !writes && !is_cold {
+                        candidate.read_in = Some(block);
+                    }
+                    candidate.is_changed |= writes && candidate.read_in == Some(block);
                     candidate.accesses.push(inst);
                 } else {
                     let list = if is_cold { &mut cold } else { &mut hot };
@@ -199,7 +212,9 @@ impl Planner<'_> {
         let mut candidates: Vec<(Place, Candidate)> = found.into_iter().collect();
         candidates.sort_unstable_by_key(|(place, _)| *place);
         drop_overlapping(&mut candidates);
-        candidates.retain(|(_, candidate)| candidate.is_usual && candidate.ty.is_some());
+        candidates.retain(|(_, candidate)| {
+            (candidate.is_usual || is_counting && candidate.is_changed) && candidate.ty.is_some()
+        });
         // Without this order a loop would carry what it can, not what it uses most.
         candidates.sort_by_key(|(_, candidate)| std::cmp::Reverse(candidate.reads + candidate.writes));
         let mut places = Vec::new();
