@@ -184,6 +184,12 @@ impl Folder<'_> {
             return constant(eval::convert(op, from, to, bits));
         }
         if op == ConvertOp::Trunc
+            && to == Type::I1
+            && let Some(change) = self.trunc_of_bits(arg)
+        {
+            return Some(change);
+        }
+        if op == ConvertOp::Trunc
             && let Some(change) = self
                 .trunc_of_parts(to, arg)
                 .or_else(|| self.trunc_of_shift(to, arg))

@@ -6,6 +6,10 @@ use plcc_ir::{Address, BinaryOp, ConvertOp, InstData, Region, Type, Value, eval}
 use super::{Change, Folder, constant};
 use crate::known_bits::{known_zero, shift_count};
 
+/// Instructions through which a bit is followed to where it comes from.
+const BITS_MAX: usize = 32;
+const BEYOND_A_BYTE: u64 = !0xFF;
+
 impl Folder<'_> {
     pub(super) fn binary(&mut self, op: BinaryOp, [a, b]: [Value; 2]) -> Option<Change> {
         let ty = self.ty(a);
@@ -382,6 +386,62 @@ impl Folder<'_> {
         };
         let constant = self.emit_const(to, constant);
         Some(Change::Data(InstData::Binary { op: BinaryOp::Iadd, args: [low, constant] }))
+    }
+
+    /// A bit of a byte put together from bits and others: it is the one that was put there, or one of what was there before. In words, bits
+    /// would live on beside them.
+    pub(super) fn trunc_of_bits(&mut self, arg: Value) -> Option<Change> {
+        let is_inside = |&(_, bit): &(Value, u64)| bit < u64::from(self.ty(arg).bits());
+        let shifted = self.with_constant(BinaryOp::Lshr, arg).filter(is_inside);
+        let (mut value, mut bit) = shifted.unwrap_or((arg, 0));
+        if known_zero(self.function, value) & BEYOND_A_BYTE != BEYOND_A_BYTE {
+            return None;
+        }
+        let mut is_put_together = false;
+        for _ in 0..BITS_MAX {
+            let Some(data) = self.function.defining(value) else { break };
+            match *data {
+                InstData::Convert { op: ConvertOp::Zext, arg } if self.ty(arg) == Type::I1 => {
+                    return if bit == 0 { Some(Change::Value(arg)) } else { constant(0) };
+                }
+                InstData::Convert { op: ConvertOp::Zext, arg } if bit < u64::from(self.ty(arg).bits()) => value = arg,
+                InstData::Convert { op: ConvertOp::Trunc, arg } => value = arg,
+                InstData::Binary { op: op @ (BinaryOp::And | BinaryOp::Or | BinaryOp::Xor), args: [a, b] } => {
+                    let is_zero = |value| known_zero(self.function, value) >> bit & 1 != 0;
+                    let mask = self.constant(b).map(|bits| bits >> bit & 1);
+                    value = match (op, mask) {
+                        (BinaryOp::And, Some(0)) => return constant(0),
+                        (BinaryOp::Or, Some(1)) => return constant(1),
+                        (BinaryOp::And, Some(1)) | (BinaryOp::Or | BinaryOp::Xor, Some(0)) => a,
+                        (BinaryOp::Or | BinaryOp::Xor, None) if is_zero(b) => a,
+                        (BinaryOp::Or | BinaryOp::Xor, None) if is_zero(a) => b,
+                        _ => break,
+                    };
+                    is_put_together = true;
+                }
+                InstData::Binary { op: op @ (BinaryOp::Shl | BinaryOp::Lshr), args: [x, count] } => {
+                    let Some(count) = shift_count(self.function, self.ty(value), count) else { break };
+                    let from = match op {
+                        BinaryOp::Shl => bit.checked_sub(u64::from(count)),
+                        _ => Some(bit + u64::from(count)).filter(|&from| from < u64::from(self.ty(value).bits())),
+                    };
+                    let Some(from) = from else { return constant(0) };
+                    (value, bit) = (x, from);
+                }
+                _ => break,
+            }
+        }
+        if !is_put_together {
+            return None;
+        }
+        let ty = self.ty(value);
+        let arg = if bit == 0 {
+            value
+        } else {
+            let count = self.emit_const(ty, bit);
+            self.emit(InstData::Binary { op: BinaryOp::Lshr, args: [value, count] }, ty)
+        };
+        Some(Change::Data(InstData::Convert { op: ConvertOp::Trunc, arg }))
     }
 
     /// The low word of something put together from words.
