@@ -299,18 +299,21 @@ impl Folder<'_> {
         Some(Change::Data(InstData::Binary { op, args: [part, b] }))
     }
 
-    /// `((x + c) & mask) >> n`, where `mask` has the low bits, x no others, and c ends in n zeros: `((x >> n) + (c >> n)) & (mask >> n)`.
+    /// `((x + c) & mask) >> n`, where `mask` has the low bits, and c ends in n zeros: `(((x & mask) >> n) + (c >> n)) & (mask >> n)`.
     /// Pointers count bits: that to a part of an instance then is the one to the instance plus a number of bytes.
     fn shift_of_masked_sum(&mut self, ty: Type, a: Value, b: Value) -> Option<Change> {
         let count = shift_count(self.function, ty, b)?;
         let (sum, mask) = self.with_constant(BinaryOp::And, a)?;
         let (x, addend) = self.with_constant(BinaryOp::Iadd, sum)?;
-        if !is_low_mask(mask)
-            || !known_zero(self.function, x) & !mask != 0
-            || addend & eval::mask(ty, (1 << count) - 1) != 0
-        {
+        if !is_low_mask(mask) || addend & eval::mask(ty, (1 << count) - 1) != 0 {
             return None;
         }
+        let x = if !known_zero(self.function, x) & !mask == 0 {
+            x
+        } else {
+            let mask = self.emit_const(ty, mask);
+            self.emit(InstData::Binary { op: BinaryOp::And, args: [x, mask] }, ty)
+        };
         let shifted = self.emit(InstData::Binary { op: BinaryOp::Lshr, args: [x, b] }, ty);
         let addend = self.emit_const(ty, addend >> count);
         let sum = self.emit(InstData::Binary { op: BinaryOp::Iadd, args: [shifted, addend] }, ty);
