@@ -1,14 +1,15 @@
 //! The message about an actual whose type is not that of the formal.
 
 use plcc_diag::{Code, Diagnostic, Span};
-use plcc_syntax::ast::{CellKind, Width};
+use plcc_syntax::ast::{BlockPrefix, CellKind, Width};
 
+use crate::bind::globals::sources::portal_cpu;
 use crate::bind::stl::StlBinder;
 use crate::bind::stl::settle::Settled;
 use plcc_binding::{rewrite, value};
 use plcc_model::layout;
 use plcc_model::types::{DataType, Elementary, ParameterType};
-use plcc_model::{Actual, BlockKey, Parameter};
+use plcc_model::{Actual, BlockKey, Number, Parameter};
 
 impl StlBinder<'_, '_> {
     /// Reports an actual whose type is not that of the formal.
@@ -55,6 +56,17 @@ impl StlBinder<'_, '_> {
             ),
         )
         .label(is);
+        // A data block whose data could be the variable.
+        if let (DataType::Struct(_) | DataType::Array(_), Settled::Block { prefix: BlockPrefix::Db, number }) =
+            (&formal.ty, settled)
+            && let Number::Known(number) = number
+            && !portal_cpu(self.program.globals.input)
+            && self.program.data.db_type(*number).is_some_and(|ty| ty.bytes == layout::bytes(&formal.ty))
+        {
+            let help = format!("write `P#DB{number}.DBX 0.0`, the address of its data, or name a variable");
+            self.program.report(message.help(help));
+            return None;
+        }
         self.program.report(match (&formal.ty, settled) {
             (DataType::Elementary(ty), Settled::Literal(_)) => {
                 message.help(rewrite::help(*ty, &text, rewrite::Form::Stl))
