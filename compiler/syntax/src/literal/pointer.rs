@@ -79,7 +79,7 @@ pub fn pointer(text: &str, value: &str) -> Result<Literal, LiteralError> {
             let help = format!(
                 "in STL `P##{rest}` is the address of a variable of the block; a constant names an area, as in `P#M 10.0`"
             );
-            return Err(LiteralError::malformed(text, &format!("`{rest}` is not an area"), help));
+            return Err(LiteralError::malformed(text, format!("`{rest}` is not an area"), help));
         }
         return Err(malformed(&format!("`{area}` is not an area")));
     }
