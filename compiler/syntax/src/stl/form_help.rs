@@ -212,9 +212,9 @@ pub fn of_second_operand(set: Mnemonics, insn: StlInsn, operand: &str, second: &
             let (load, transfer) = (StlInsn::Load.mnemonic(set), StlInsn::Transfer.mnemonic(set));
             Some(format!("write `{load} {operand}`, `{mnemonic} {second}` and `{transfer} {operand}`"))
         }
-        StlInsn::CountUp | StlInsn::CountDown if is_count || second.to_ascii_uppercase().starts_with("C#") => {
-            Some(format!("remove it: `{mnemonic}` counts by 1; `{}` sets a counter to a value", StlInsn::Set.mnemonic(set)))
-        }
+        StlInsn::CountUp | StlInsn::CountDown if is_count || second.to_ascii_uppercase().starts_with("C#") => Some(
+            format!("remove it: `{mnemonic}` counts by 1; `{}` sets a counter to a value", StlInsn::Set.mnemonic(set)),
+        ),
         _ => None,
     }
 }
