@@ -100,6 +100,7 @@ pub fn block(block: &CodeBlock, body: &Body, types: &Types, keeps_br: bool) -> R
         sets_br: false,
         is_scanned: false,
         is_open: false,
+        is_after_list: false,
     };
     maker.messages = instances::of_block(block, types);
     maker.begin_texts();
@@ -190,6 +191,8 @@ struct Maker<'a> {
     is_scanned: bool,
     /// The last string of logic is open although its value was used, as after SAVE: a scan would go on with it.
     is_open: bool,
+    /// The network before is one of statements.
+    is_after_list: bool,
 }
 
 impl Maker<'_> {
@@ -204,11 +207,16 @@ impl Maker<'_> {
             self.label(&label.text);
         }
         match &network.content {
-            Content::Graphic(graph) => self.graph(graph),
+            Content::Graphic(graph) => {
+                self.graph(graph);
+                self.is_after_list = false;
+            }
             Content::Stl(list) => {
-                if self.is_open {
+                // Statements go on with the logic of statements, not with that of SAVE in a picture.
+                if self.is_open && !self.is_after_list {
                     self.push(StlInsn::ClearRlo, None);
                 }
+                self.is_after_list = true;
                 for statement in list {
                     let mut statement = statement.clone();
                     match statement.label {

@@ -16,6 +16,25 @@ fn start_values_keep_the_digits_of_an_lreal() {
     }
 }
 
+/// The second of two networks in STL goes on with the RLO of the first.
+#[test]
+fn networks_in_stl_stay_as_they_are() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/parse/simatic-ml/mixed-block.xml");
+    let export = fs::read_to_string(file).expect("a test file").replace("\r\n", "\n");
+    let place = |text: &str| export.find(text).unwrap_or_else(|| panic!("{text} is in the file"));
+    let (scl, list) = (place("<SW.Blocks.CompileUnit ID=\"2\""), place("<SW.Blocks.CompileUnit ID=\"3\""));
+    let head = export[list..place("  <StlStatement>")].replace("\"3\"", "\"4\"");
+    let between = "</StatementList></NetworkSource><ProgrammingLanguage>STL</ProgrammingLanguage></AttributeList></SW.Blocks.CompileUnit>";
+    let second = "  <StlStatement>\n    <StlToken Text=\"S\" />";
+    let export =
+        format!("{}{}", &export[..scl], &export[list..]).replace(second, &format!("{between}\n{head}{second}"));
+    let folder = folder_with(&[("mixed.xml", &export), ("tags.sdf", "\"Motor\",\"Q 4.0\",\"BOOL\",\"\"\n")]);
+    done(&folder, &["convert", "mixed.xml", "tags.sdf", "--to", "stl", "--cpu", "s7-1500", "-o", "made/"]);
+    let made = read(&folder, "made/mixed.stl");
+    assert!(made.contains("S     \"Motor\"") && made.matches("NETWORK").count() > 2, "{made}");
+    assert!(!made.contains("CLR"), "{made}");
+}
+
 /// SAVE does not end the string of logic: without CLR, the next rung would be an AND with it.
 #[test]
 fn rungs_after_save_begin_anew() {
