@@ -223,7 +223,10 @@ impl<'a> Types<'a> {
         if self.blocks.contains_key(&name.to_lowercase()) {
             return None;
         }
-        find_sd(&name).map(|(row, _)| row).filter(|row| matches!(row.kind, Kind::Instance(_)))
+        // The data of a timer have a type of their own: TON_TIME.
+        let upper = name.to_ascii_uppercase();
+        let element = upper.strip_suffix("_TIME").unwrap_or(&name);
+        find_sd(element).map(|(row, _)| row).filter(|row| matches!(row.kind, Kind::Instance(_)))
     }
 
     /// Whether a name is that of a block with code of the program.

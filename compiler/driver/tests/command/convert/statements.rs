@@ -16,6 +16,26 @@ fn start_values_keep_the_digits_of_an_lreal() {
     }
 }
 
+/// The TIA Portal declares the data of a timer as TON_TIME.
+#[test]
+fn calls_of_timers_by_the_type_of_their_data_are_drawn() {
+    let list = "//@ cpu s7-1500\nFUNCTION_BLOCK \"Wait\"\nVAR\n  pause : TON_TIME;\nEND_VAR\nBEGIN\nNETWORK\n      \
+                CALL #pause (IN := M 0.0, PT := T#10MS, Q := M 0.1);\nEND_FUNCTION_BLOCK\nDATA_BLOCK \"Wait_DB\"\n\"Wait\"\nBEGIN\n\
+                END_DATA_BLOCK\nORGANIZATION_BLOCK \"Main\"\nBEGIN\nNETWORK\n      CALL \"Wait\", \"Wait_DB\";\nEND_ORGANIZATION_BLOCK\n";
+    let folder = folder_with(&[("wait.stl", list)]);
+    for notation in ["lad", "fbd"] {
+        done(&folder, &["convert", "wait.stl", "--to", notation, "-o", "wait.s7dcl"]);
+        let drawn = read(&folder, "wait.s7dcl");
+        assert!(drawn.contains("#pause.TON("), "{drawn}");
+        for file in ["wait.stl", "wait.s7dcl"] {
+            let run =
+                ["run", file, "--clock", "virtual", "--cycles", "4", "--quiet", "--set", "M0.0=1", "--print", "MB0"];
+            let output = done(&folder, &[&run[..], &["--cpu", "s7-1500"]].concat());
+            assert_eq!(text(&output.stdout), "MB0 = 16#03\n", "{file}");
+        }
+    }
+}
+
 /// The second of two networks in STL goes on with the RLO of the first.
 #[test]
 fn networks_in_stl_stay_as_they_are() {
