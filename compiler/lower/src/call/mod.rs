@@ -31,6 +31,7 @@ pub use self::function::has_area_pointer;
 pub use self::text::{TextCall, TextInput, TextResult, is_length, text_call};
 pub use self::text_operand::{FormalText, TextOperand};
 pub use self::text_short::declared_of;
+pub use self::text_words::WORD;
 use crate::block::BlockLowering;
 use crate::fault::{Check, Substitute};
 use crate::plan;

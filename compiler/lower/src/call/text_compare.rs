@@ -11,7 +11,7 @@
 //! IF #name < #other      the first word that differs says it, or else the lengths
 //! ```
 
-use plcc_ir::{Address, BinaryOp, Block, IntCc, Type, Value};
+use plcc_ir::{Address, BinaryOp, Block, IntCc, Type, UnaryOp, Value};
 
 use super::text_operand::TextOperand;
 use super::text_short::HEAD_BYTES;
@@ -61,22 +61,20 @@ impl BlockLowering<'_, '_> {
                 let count = self.b.i32_const(characters.len() as u32);
                 let mut difference = self.b.xor(length, count);
                 if characters.len() <= self.most(text) as usize {
-                    difference = self.differences(text.addr, characters, difference);
+                    difference = self.differences(text, characters, difference);
                 }
                 let cc = if relation == EQUAL { IntCc::Eq } else { IntCc::Ne };
                 return self.b.icmp_imm(cc, difference, 0);
             }
             if characters.len() <= WORD as usize {
                 let length = self.length_or_leave(text, WORD as usize, call);
-                return self.word_relation(moved(text.addr, HEAD_BYTES), length, characters, relation);
+                let word = self.first_word(text);
+                return self.word_relation(word, length, characters, relation);
             }
         }
         if self.most(one) >= WORD && self.most(two) >= WORD {
-            let texts = [one, two].map(|text| {
-                let length = self.length_or_leave(text, WORD as usize, call);
-                (moved(text.addr, HEAD_BYTES), length)
-            });
-            return self.compare_words(texts, relation);
+            let lengths = [one, two].map(|text| self.length_or_leave(text, WORD as usize, call));
+            return self.compare_words([one, two], lengths, relation);
         }
         // Lengths that differ say no.
         let lengths = [one, two].map(|text| self.length_or_leave(text, 0, call));
@@ -86,8 +84,8 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Compares texts by their first characters and lengths; eight characters of each exist.
-    fn compare_words(&mut self, texts: [(Address, Value); 2], relation: u64) -> Value {
-        let [(one, length_one), (two, length_two)] = texts;
+    fn compare_words(&mut self, texts: [&TextOperand; 2], lengths: [Value; 2], relation: u64) -> Value {
+        let ([one, two], [length_one, length_two]) = (texts.map(|text| moved(text.addr, HEAD_BYTES)), lengths);
         let asks_if_equal = matches!(relation, EQUAL | DIFFERENT);
         let holds = self.b.declare_var(Type::I1);
         let (first, second) = (self.b.declare_var(Type::I64), self.b.declare_var(Type::I64));
@@ -141,8 +139,8 @@ impl BlockLowering<'_, '_> {
         let bits = self.b.binary_imm(BinaryOp::Shl, bits, 3);
         let most = self.b.iconst(Type::I64, i64::from(WORD - 1) * 8);
         let gone = self.b.isub(most, bits);
-        let [word_one, word_two] = [one, two].map(|start| {
-            let word = self.b.load(Type::I64, start);
+        let [word_one, word_two] = texts.map(|text| {
+            let word = self.first_word(text);
             let word = self.b.binary_imm(BinaryOp::Lshr, word, 8);
             self.b.binary(BinaryOp::Lshr, word, gone)
         });
@@ -209,8 +207,28 @@ impl BlockLowering<'_, '_> {
         self.head_as_declared(text.addr, text.declared)
     }
 
-    /// Adds to `difference` the bits in which the text at `addr` differs from constant characters, an i32 or i64.
-    fn differences(&mut self, addr: Address, characters: &[u8], difference: Value) -> Value {
+    /// The first eight characters of a text that has room for them, as memory has them.
+    fn first_word(&mut self, text: &TextOperand) -> Value {
+        match text.own.and_then(|own| self.own_word(own)) {
+            Some(word) => self.b.unary(UnaryOp::Bswap, word),
+            None => self.b.load(Type::I64, moved(text.addr, HEAD_BYTES)),
+        }
+    }
+
+    /// Adds to `difference` the bits in which a text differs from constant characters, an i32 or i64.
+    fn differences(&mut self, text: &TextOperand, characters: &[u8], difference: Value) -> Value {
+        if (1..=WORD as usize).contains(&characters.len())
+            && let Some(word) = text.own.and_then(|own| self.own_word(own))
+        {
+            let constant = self.constant_word(characters);
+            let word = self.b.xor(word, constant);
+            // The others come to the end and go.
+            let others = 64 - 8 * characters.len() as i64;
+            let word = if others == 0 { word } else { self.b.binary_imm(BinaryOp::Shl, word, others) };
+            let difference = self.b.zext(Type::I64, difference);
+            return self.b.or(difference, word);
+        }
+        let addr = text.addr;
         let (ty, bytes) = match characters.len() {
             0 => return difference,
             1 => (Type::I8, 1),

@@ -19,7 +19,7 @@ mod write;
 
 use plcc_abi::text::{PLUS, Rules};
 use plcc_abi::{RuntimeFn, Type};
-use plcc_ir::{BinaryOp, Block, IntCc, UnaryOp, Value};
+use plcc_ir::{BinaryOp, Block, IntCc, Value};
 use plcc_model::CodeBlock;
 
 use super::text::TextResult;
@@ -214,9 +214,9 @@ impl BlockLowering<'_, '_> {
                 let plus = self.b.constant_bits(form).is_some_and(|form| form & u64::from(PLUS) != 0);
                 let (word, count, fits) = self.decimal_word(number, plus);
                 self.require(fits, call);
-                if out.own.is_some_and(|own| own.is_room) {
-                    let word = self.b.unary(UnaryOp::Bswap, word);
-                    self.b.store(out.start, word);
+                if let Some(own) = out.own.filter(|own| own.is_room) {
+                    self.store_word(out.start, word);
+                    self.set_own_word(own, word);
                 } else {
                     self.store_some(out.start, word, count);
                 }
@@ -325,7 +325,8 @@ impl BlockLowering<'_, '_> {
         self.b.def_var(good, allowed);
         self.b.jump(end, &[]);
         self.b.switch_to(search);
-        let found = self.find_characters(text.start, starts, sought);
+        let word = text.own.and_then(|own| self.own_word(own));
+        let found = self.find_characters(text.start, starts, sought, word.filter(|_| words == 1));
         self.b.def_var(position, found);
         self.b.def_var(good, yes);
         self.b.jump(end, &[]);
@@ -339,7 +340,11 @@ impl BlockLowering<'_, '_> {
         let before = self.b.binary_imm(BinaryOp::Iadd, text.length, -1);
         let short = self.b.icmp_imm(IntCc::Ult, before, longest.into());
         self.require(short, call);
-        let (value, ok) = self.word_as_number(text.start, text.length);
+        let word = match text.own.and_then(|own| self.own_word(own)) {
+            Some(word) => word,
+            None => self.load_word(text.start),
+        };
+        let (value, ok) = self.word_as_number(word, text.length);
         self.require(ok, call);
         if let Some((low, high)) = range {
             let above = self.b.binary_imm(BinaryOp::Isub, value, low.into());

@@ -3,15 +3,16 @@
 //! A word as a number has its first character lowest: what is done to each character at once then carries from one to the next, and a shift
 //! by whole characters drops the first ones.
 
-use plcc_ir::{Address, BinaryOp, IntCc, Type, UnaryOp, Value};
+use plcc_ir::{Address, BinaryOp, IntCc, Type, UnaryOp, Value, Var};
 
 use crate::block::BlockLowering;
 use crate::pointer::moved;
+use crate::scl::OwnText;
 
 /// Characters of a word.
 pub const WORD: u32 = 8;
 /// Characters that are copied at once where there are as many.
-const BLOCK: u32 = 16;
+pub(super) const BLOCK: u32 = 16;
 
 /// No text has more characters.
 const NEAR: u32 = 0xFF;
@@ -20,6 +21,17 @@ const NEAR: u32 = 0xFF;
 const ONES: u64 = 0x0101_0101_0101_0101;
 const HIGH_BITS: u64 = ONES << 7;
 const ZEROS_AS_TEXT: u64 = ONES * b'0' as u64;
+
+/// What is known of characters that are copied, and of the place where they go.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Copied {
+    /// The first eight of them, the first one lowest, and anything after the last one.
+    pub word: Option<Value>,
+    /// What is after them does not matter where they go.
+    pub is_free: bool,
+    /// Gets the first eight characters that are there then, if not `None`; as many exist.
+    pub first: Option<Var>,
+}
 
 impl BlockLowering<'_, '_> {
     /// `addr` plus `index` bytes, an i32. A constant one may be anything where a constant position is wrong, in code that never runs: so it
@@ -36,9 +48,104 @@ impl BlockLowering<'_, '_> {
     }
 
     /// The first character lowest, an i64.
-    fn load_word(&mut self, addr: Address) -> Value {
+    pub fn load_word(&mut self, addr: Address) -> Value {
         let word = self.b.load(Type::I64, addr);
         self.b.unary(UnaryOp::Bswap, word)
+    }
+
+    /// The first eight characters at `start`, where as many exist as are `declared`, the first one lowest. `None`: none exist.
+    pub(super) fn first_characters(&mut self, start: Address, declared: u64) -> Option<Value> {
+        let ty = match declared {
+            0 => return None,
+            1 => Type::I8,
+            2..4 => Type::I16,
+            4..8 => Type::I32,
+            _ => return Some(self.load_word(start)),
+        };
+        let bytes = u64::from(ty.bytes());
+        let mut piece = |from: u64| {
+            let piece = self.b.load(ty, moved(start, from as u32));
+            let piece = if ty == Type::I8 { piece } else { self.b.unary(UnaryOp::Bswap, piece) };
+            let piece = self.b.zext(Type::I64, piece);
+            self.b.binary_imm(BinaryOp::Shl, piece, 8 * from as i64)
+        };
+        let first = piece(0);
+        if declared == bytes {
+            return Some(first);
+        }
+        // Characters that are in both pieces are the same.
+        let last = piece(declared - bytes);
+        Some(self.b.or(first, last))
+    }
+
+    /// Stores eight characters.
+    pub(super) fn store_word(&mut self, to: Address, word: Value) {
+        let word = self.b.unary(UnaryOp::Bswap, word);
+        self.b.store(to, word);
+    }
+
+    /// Constant characters as a word, those that there are of the first eight.
+    pub(super) fn constant_word(&mut self, characters: &[u8]) -> Value {
+        let bits = characters.iter().take(WORD as usize).rev().fold(0, |bits, &byte| bits << 8 | u64::from(byte));
+        self.word(bits)
+    }
+
+    /// Stores constant characters as all that a text at `to` has, `own` if it is one.
+    pub fn store_characters(&mut self, to: Address, characters: &[u8], own: Option<OwnText>) {
+        let Some(own) = own.filter(OwnText::has_word) else { return self.store_bytes(to, characters) };
+        let word = self.constant_word(characters);
+        match characters.len() {
+            0 => {}
+            length if length <= WORD as usize => self.store_word(to, word),
+            _ => self.store_bytes(to, characters),
+        }
+        self.set_own_word(own, word);
+    }
+
+    /// `count` characters of `word`, an i32 of at most `most`, and after them those of `after`.
+    pub(super) fn word_before(&mut self, word: Value, count: Value, most: u32, after: Value) -> Value {
+        match self.b.constant_bits(count) {
+            Some(0) => return after,
+            Some(count) if count >= u64::from(WORD) => return word,
+            _ => {}
+        }
+        let bits = self.bits_of(count);
+        let mask = self.few_bits(bits);
+        let kept = self.b.and(word, mask);
+        let moved = self.b.binary(BinaryOp::Shl, after, bits);
+        let both = self.b.or(kept, moved);
+        if most < WORD {
+            return both;
+        }
+        let is_whole = self.b.icmp_imm(IntCc::Uge, count, WORD.into());
+        self.b.select(is_whole, word, both)
+    }
+
+    /// The characters of `word` after the first `skipped`, an i32 of at most eight. After all of them it is anything.
+    pub(super) fn word_after(&mut self, word: Value, skipped: Value) -> Value {
+        if self.b.constant_bits(skipped) == Some(0) {
+            return word;
+        }
+        let bits = self.bits_of(skipped);
+        self.b.binary(BinaryOp::Lshr, word, bits)
+    }
+
+    /// As memory has them, the characters of `word` after the first `skipped`, as many as `ty` has bytes.
+    fn piece(&mut self, ty: Type, word: Value, skipped: Value) -> Value {
+        let word = self.word_after(word, skipped);
+        if ty == Type::I64 {
+            return self.b.unary(UnaryOp::Bswap, word);
+        }
+        let piece = self.b.trunc(ty, word);
+        if ty == Type::I8 { piece } else { self.b.unary(UnaryOp::Bswap, piece) }
+    }
+
+    /// Defines the variable for the first eight characters at `to`.
+    fn note_first(&mut self, to: Address, copied: Copied, characters: Option<Value>) {
+        if let Some(first) = copied.first {
+            let characters = characters.unwrap_or_else(|| self.load_word(to));
+            self.b.def_var(first, characters);
+        }
     }
 
     fn word(&mut self, bits: u64) -> Value {
@@ -52,17 +159,26 @@ impl BlockLowering<'_, '_> {
 
     /// Copies `count` characters, an i32 of at most `most`. Where the two places share memory, `to` is not after `from`. `room`, an i32: the
     /// characters, part of the text or not, that exist at both places, if there may be a word of them.
-    pub(super) fn copy_characters(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
+    pub(super) fn copy_characters(
+        &mut self,
+        to: Address,
+        from: Address,
+        count: Value,
+        most: u32,
+        room: Option<Value>,
+        copied: Copied,
+    ) {
         if let Some(count) = self.b.constant_bits(count) {
             // More is only where a constant position is wrong: that code never runs.
             if (1..=u64::from(most)).contains(&count) {
                 self.b.copy(to, from, count as u32);
             }
-            return;
+            return self.note_first(to, copied, None);
         }
         if most < BLOCK {
-            return self.copy_last(to, from, count, most, room);
+            return self.copy_last(to, from, count, most, room, copied);
         }
+        let start = to;
         // Those of whole blocks.
         let whole = self.b.binary_imm(BinaryOp::And, count, i64::from(NEAR & !(BLOCK - 1)));
         let at_var = self.b.declare_var(Type::I32);
@@ -85,14 +201,23 @@ impl BlockLowering<'_, '_> {
         let count = self.b.binary_imm(BinaryOp::And, count, i64::from(BLOCK - 1));
         let (to, from) = (self.indexed(to, whole), self.indexed(from, whole));
         let room = room.map(|room| self.b.isub(room, whole));
-        self.copy_last(to, from, count, BLOCK - 1, room);
+        self.copy_last(to, from, count, BLOCK - 1, room, Copied { word: None, first: None, ..copied });
+        self.note_first(start, copied, None);
     }
 
     /// As [`copy_characters`](Self::copy_characters), where the two places share no memory: the last block may begin before the end of the one
     /// before it.
-    pub(super) fn copy_apart(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
+    pub(super) fn copy_apart(
+        &mut self,
+        to: Address,
+        from: Address,
+        count: Value,
+        most: u32,
+        room: Option<Value>,
+        copied: Copied,
+    ) {
         if most < BLOCK || self.b.constant_bits(count).is_some() {
-            return self.copy_characters(to, from, count, most, room);
+            return self.copy_characters(to, from, count, most, room, copied);
         }
         let [long, short, end] = std::array::from_fn(|_| self.b.create_block());
         let is_long = self.b.icmp_imm(IntCc::Uge, count, BLOCK.into());
@@ -125,9 +250,10 @@ impl BlockLowering<'_, '_> {
         }
         let (last_to, last_from) = (self.indexed(to, last), self.indexed(from, last));
         self.b.copy(last_to, last_from, BLOCK);
+        self.note_first(to, copied, copied.word);
         self.b.jump(end, &[]);
         self.b.switch_to(short);
-        self.copy_last(to, from, count, BLOCK - 1, room);
+        self.copy_last(to, from, count, BLOCK - 1, room, copied);
         self.b.jump(end, &[]);
         self.b.seal_block(end);
         self.b.switch_to(end);
@@ -148,7 +274,7 @@ impl BlockLowering<'_, '_> {
         self.b.seal_block(back);
         self.b.seal_block(on);
         self.b.switch_to(back);
-        self.copy_characters(to, from, count, most, room);
+        self.copy_characters(to, from, count, most, room, Copied::default());
         self.b.jump(end, &[]);
         self.b.switch_to(on);
         self.copy_from_end(to, from, count, most, room);
@@ -161,7 +287,7 @@ impl BlockLowering<'_, '_> {
     pub(super) fn copy_from_end(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
         // Fewer than a block, or a known number, are read before they are written.
         if most < BLOCK || self.b.constant_bits(count).is_some() {
-            return self.copy_characters(to, from, count, most, room);
+            return self.copy_characters(to, from, count, most, room, Copied::default());
         }
         let left = self.b.declare_var(Type::I32);
         self.b.def_var(left, count);
@@ -180,14 +306,15 @@ impl BlockLowering<'_, '_> {
         self.b.seal_block(rest);
         self.b.switch_to(rest);
         let count = self.b.use_var(left);
-        self.copy_last(to, from, count, BLOCK - 1, room);
+        self.copy_last(to, from, count, BLOCK - 1, room, Copied::default());
     }
 
     /// Copies `count` characters, fewer than [`BLOCK`] and at most `most`. Fewer than a word come in a word, if there is room for one: no
     /// branch depends on their number, and a later read of the word does not wait for pieces. Else in two pieces that overlap, both read before
     /// one is written.
-    fn copy_last(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>) {
+    fn copy_last(&mut self, to: Address, from: Address, count: Value, most: u32, room: Option<Value>, copied: Copied) {
         let end = self.b.create_block();
+        let zero = self.b.i32_const(0);
         for ty in [Type::I64, Type::I32, Type::I16] {
             let bytes = ty.bytes();
             if ty == Type::I32
@@ -199,8 +326,16 @@ impl BlockLowering<'_, '_> {
                 self.b.seal_block(word);
                 self.b.seal_block(pieces);
                 self.b.switch_to(word);
-                let characters = self.load_word(from);
-                self.store_few(to, characters, count);
+                let characters = match copied.word {
+                    Some(word) => word,
+                    None => self.load_word(from),
+                };
+                if copied.is_free {
+                    self.store_word(to, characters);
+                } else {
+                    self.store_few(to, characters, count);
+                }
+                self.note_first(to, copied, Some(characters));
                 self.b.jump(end, &[]);
                 self.b.switch_to(pieces);
             }
@@ -215,19 +350,32 @@ impl BlockLowering<'_, '_> {
             self.b.switch_to(two);
             let last = self.b.binary_imm(BinaryOp::Iadd, count, -i64::from(bytes));
             let (last_to, last_from) = (self.indexed(to, last), self.indexed(from, last));
-            let (first, second) = (self.b.load(ty, from), self.b.load(ty, last_from));
+            let (first, second) = match copied.word {
+                Some(word) if ty == Type::I64 => (self.piece(ty, word, zero), self.b.load(ty, last_from)),
+                Some(word) => (self.piece(ty, word, zero), self.piece(ty, word, last)),
+                None => (self.b.load(ty, from), self.b.load(ty, last_from)),
+            };
             self.b.store(to, first);
-            self.b.store(last_to, second);
+            if ty != Type::I64 || most > WORD {
+                self.b.store(last_to, second);
+            }
+            let known = if ty == Type::I64 { Some(self.b.unary(UnaryOp::Bswap, first)) } else { None };
+            self.note_first(to, copied, known);
             self.b.jump(end, &[]);
             self.b.switch_to(fewer);
         }
         let one = self.b.create_block();
         let is_one = self.b.icmp_imm(IntCc::Ne, count, 0);
+        self.note_first(to, copied, None);
         self.b.branch(is_one, one, end);
         self.b.seal_block(one);
         self.b.switch_to(one);
-        let character = self.b.load(Type::I8, from);
+        let character = match copied.word {
+            Some(word) => self.piece(Type::I8, word, zero),
+            None => self.b.load(Type::I8, from),
+        };
         self.b.store(to, character);
+        self.note_first(to, copied, None);
         self.b.jump(end, &[]);
         self.b.seal_block(end);
         self.b.switch_to(end);
@@ -247,10 +395,15 @@ impl BlockLowering<'_, '_> {
     /// As [`store_some`](Self::store_some), for fewer than eight characters or none.
     fn store_few(&mut self, to: Address, word: Value, count: Value) {
         let bits = self.bits_of(count);
+        let mask = self.few_bits(bits);
+        self.store_masked(to, word, mask);
+    }
+
+    /// A mask of fewer than 64 `bits`, an i64.
+    fn few_bits(&mut self, bits: Value) -> Value {
         let one = self.word(1);
         let mask = self.b.binary(BinaryOp::Shl, one, bits);
-        let mask = self.with_word(BinaryOp::Isub, mask, 1);
-        self.store_masked(to, word, mask);
+        self.with_word(BinaryOp::Isub, mask, 1)
     }
 
     fn bits_of(&mut self, count: Value) -> Value {
@@ -269,8 +422,14 @@ impl BlockLowering<'_, '_> {
     }
 
     /// Position from 1 of the first `sought` among the characters from `start` on, of which the first `starts`, an i32 above 0, may begin it;
-    /// 0 if there is none. Whole words exist there.
-    pub(super) fn find_characters(&mut self, start: Address, starts: Value, sought: &[u8]) -> Value {
+    /// 0 if there is none. Whole words exist there. `only`: the word there, if there is just one.
+    pub(super) fn find_characters(
+        &mut self,
+        start: Address,
+        starts: Value,
+        sought: &[u8],
+        only: Option<Value>,
+    ) -> Value {
         let at_var = self.b.declare_var(Type::I32);
         let zero = self.b.i32_const(0);
         self.b.def_var(at_var, zero);
@@ -281,8 +440,13 @@ impl BlockLowering<'_, '_> {
         let at = self.b.use_var(at_var);
         let mut differences = self.word(0);
         for (index, &character) in sought.iter().enumerate() {
-            let addr = self.indexed(moved(start, index as u32), at);
-            let word = self.load_word(addr);
+            let word = match only {
+                Some(word) if index == 0 => word,
+                _ => {
+                    let addr = self.indexed(moved(start, index as u32), at);
+                    self.load_word(addr)
+                }
+            };
             let difference = self.with_word(BinaryOp::Xor, word, ONES * u64::from(character));
             differences = self.b.or(differences, difference);
         }
@@ -298,7 +462,10 @@ impl BlockLowering<'_, '_> {
         self.b.switch_to(next);
         let after = self.b.binary_imm(BinaryOp::Iadd, at, WORD.into());
         self.b.def_var(at_var, after);
-        let more = self.b.icmp(IntCc::Slt, after, starts);
+        let more = match only {
+            Some(_) => self.b.bool_const(false),
+            None => self.b.icmp(IntCc::Slt, after, starts),
+        };
         let position = self.b.declare_var(Type::I32);
         self.b.def_var(position, zero);
         self.b.branch(more, look, end);
@@ -318,14 +485,13 @@ impl BlockLowering<'_, '_> {
         self.b.use_var(position)
     }
 
-    /// How a text of `length` characters, of which whole words exist at `start`, compares with at most eight characters, by the bits of
-    /// `relation`: 1 less, 2 equal, 4 greater; an i1.
-    pub(super) fn word_relation(&mut self, start: Address, length: Value, with: &[u8], relation: u64) -> Value {
+    /// How a text of `length` characters, of which the first eight are in `word` as memory has them, compares with at most eight characters, by
+    /// the bits of `relation`: 1 less, 2 equal, 4 greater; an i1.
+    pub(super) fn word_relation(&mut self, word: Value, length: Value, with: &[u8], relation: u64) -> Value {
         let mut other = [0; WORD as usize];
         other[..with.len()].copy_from_slice(with);
         // The first character is highest here.
         let other = self.word(u64::from_be_bytes(other));
-        let word = self.b.load(Type::I64, start);
         // Characters that are not there count as 0; if all are equal, the lengths decide.
         let all = self.word(u64::MAX);
         let count = self.b.zext(Type::I64, length);
@@ -400,10 +566,9 @@ impl BlockLowering<'_, '_> {
         (characters, self.b.trunc(Type::I32, count), fits)
     }
 
-    /// The number that `length` characters at `start`, an i32 of 1 to 8, are: a sign or none, then digits; an i32, and an i1 that they
-    /// are so. A whole word exists there.
-    pub(super) fn word_as_number(&mut self, start: Address, length: Value) -> (Value, Value) {
-        let word = self.load_word(start);
+    /// The number that the first `length` characters of `word`, an i32 of 1 to 8, are: a sign or none, then digits; an i32, and an i1 that
+    /// they are so.
+    pub(super) fn word_as_number(&mut self, word: Value, length: Value) -> (Value, Value) {
         let first = self.with_word(BinaryOp::And, word, 0xFF);
         let minus = self.b.icmp_imm(IntCc::Eq, first, b'-'.into());
         let plus = self.b.icmp_imm(IntCc::Eq, first, b'+'.into());

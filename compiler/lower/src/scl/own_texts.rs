@@ -2,7 +2,8 @@
 //!
 //! A TEMP of type STRING that only functions of texts and assignments reach has the head that it was declared with, and nobody but this block
 //! changes its length. So there is nothing to look at when it is used, and its length is a value, which memory has only while something is called.
-//! The same is true of the rooms for results that only functions of texts read.
+//! The same is true of the rooms for results that only functions of texts read. Where nothing else looks at the characters either, the first
+//! eight are a value, too, beside those in memory: what is read does not wait for pieces that have just been written.
 //!
 //! ```text
 //! #field := LEFT(IN := #text, L := #at);     length of #field = at or length of #text, whichever is less
@@ -18,13 +19,16 @@ use rustc_hash::FxHashMap;
 
 use super::promote::{joined, reach};
 use crate::block::BlockLowering;
-use crate::call::{declared_of, is_length, text_call};
+use crate::call::{WORD, declared_of, is_length, text_call};
 use crate::plan::Plan;
+use crate::pointer::moved;
 use crate::probe::Asked;
 use crate::scl::text::{TEXT_MAX, TextPlace};
 
 /// Statements times texts of a block up to which lengths are values: each may be a parameter where paths meet.
 const SPANS_MAX: usize = 100_000;
+/// Longest declared maximum of variables whose first characters are a value: longer texts are hardly compared and read as numbers.
+const WORDS_MAX: u8 = 20;
 
 /// A text whose length is a value.
 #[derive(Clone, Copy)]
@@ -33,6 +37,8 @@ pub struct OwnText {
     length: Var,
     /// What is after its characters does not matter.
     pub is_room: bool,
+    /// Its first eight characters, the first one lowest, and anything after the last one; an i64. `None`: something else looks at them.
+    word: Option<Var>,
 }
 
 impl BlockLowering<'_, '_> {
@@ -42,21 +48,27 @@ impl BlockLowering<'_, '_> {
         if !matches!(self.output.probes.asked, Asked::Nothing | Asked::Coverage) {
             return;
         }
-        for (byte, declared) in own_texts(self.plan, self.block, body) {
-            self.add_own_text(byte, declared, false);
+        for OwnPlace { byte, declared, is_room } in own_texts(self.plan, self.block, body) {
+            self.add_own_text(byte, declared, is_room, declared <= WORDS_MAX);
         }
     }
 
-    fn add_own_text(&mut self, byte: u32, declared: u8, is_room: bool) {
-        let text = self.empty_text(declared, is_room);
+    fn add_own_text(&mut self, byte: u32, declared: u8, is_room: bool, has_word: bool) {
+        let text = self.empty_text(declared, is_room, has_word);
         self.scl.own_texts.insert(byte, text);
     }
 
-    fn empty_text(&mut self, declared: u8, is_room: bool) -> OwnText {
+    fn empty_text(&mut self, declared: u8, is_room: bool, has_word: bool) -> OwnText {
         let length = self.b.declare_var(Type::I32);
         let zero = self.b.i32_const(0);
         self.b.def_var(length, zero);
-        OwnText { declared, length, is_room }
+        let word = (is_room && has_word && u32::from(declared) >= WORD).then(|| {
+            let word = self.b.declare_var(Type::I64);
+            let none = self.b.iconst(Type::I64, 0);
+            self.b.def_var(word, none);
+            word
+        });
+        OwnText { declared, length, is_room, word }
     }
 
     /// The text that is parameter `index` of this function, its result, if only its own statements look at its length.
@@ -67,7 +79,7 @@ impl BlockLowering<'_, '_> {
             return None;
         }
         let given = self.plan.given_text(self.block.key(), index)?;
-        Some(self.empty_text(given.declared, false))
+        Some(self.empty_text(given.declared, true, true))
     }
 
     /// The caller looks at the length of the result.
@@ -87,7 +99,7 @@ impl BlockLowering<'_, '_> {
 
     /// The room at `addr` is for an empty text that only functions of texts read and write.
     pub fn add_room(&mut self, addr: Address) {
-        self.add_own_text(addr.offset, TEXT_MAX as u8, true);
+        self.add_own_text(addr.offset, TEXT_MAX as u8, true, true);
     }
 
     /// Something else may be at `addr` from now on.
@@ -143,6 +155,18 @@ impl BlockLowering<'_, '_> {
         self.b.def_var(own.length, length);
     }
 
+    /// Its first eight characters, if they are a value: the first one lowest, and anything after the last one.
+    pub fn own_word(&mut self, own: OwnText) -> Option<Value> {
+        own.word.map(|word| self.b.use_var(word))
+    }
+
+    /// Notes its first eight characters, where they are a value.
+    pub fn set_own_word(&mut self, own: OwnText, characters: Value) {
+        if let Some(word) = own.word {
+            self.b.def_var(word, characters);
+        }
+    }
+
     /// Stores the length of the text at `addr` for whoever is called now.
     pub fn store_own_length(&mut self, addr: Address, own: OwnText) {
         let length = self.b.use_var(own.length);
@@ -155,18 +179,38 @@ impl BlockLowering<'_, '_> {
         let length = self.b.load(Type::I8, Address { offset: addr.offset + 1, ..addr });
         let length = self.b.zext(Type::I32, length);
         self.b.def_var(own.length, length);
+        if let Some(word) = own.word {
+            let characters = self.load_word(moved(addr, 2));
+            self.b.def_var(word, characters);
+        }
     }
 }
 
-/// The texts in VAR_TEMP of a block that only functions of texts and assignments reach, by their bytes in the frame, with their maxima.
-fn own_texts(plan: &Plan, block: &CodeBlock, body: &SclBody) -> Vec<(u32, u8)> {
+impl OwnText {
+    /// Its first eight characters are a value.
+    pub const fn has_word(&self) -> bool {
+        self.word.is_some()
+    }
+}
+
+/// An own text in VAR_TEMP.
+struct OwnPlace {
+    /// In the frame.
+    byte: u32,
+    declared: u8,
+    /// Nothing else reaches its characters.
+    is_room: bool,
+}
+
+/// The texts in VAR_TEMP of a block of which only functions of texts and assignments reach the heads.
+fn own_texts(plan: &Plan, block: &CodeBlock, body: &SclBody) -> Vec<OwnPlace> {
     let mut texts: Vec<(u32, u8)> = Vec::new();
     for text in body.temporary_texts.iter().filter(|text| !text.wide && text.byte >= block.interface.start_bytes) {
         texts
             .extend(u8::try_from(text.maximum).ok().filter(|&maximum| maximum > 0).map(|maximum| (text.byte, maximum)));
     }
     if texts.is_empty() {
-        return texts;
+        return Vec::new();
     }
     let uses = Uses::of(plan, body);
     if uses.everything || uses.statements * texts.len() > SPANS_MAX {
@@ -190,7 +234,8 @@ fn own_texts(plan: &Plan, block: &CodeBlock, body: &SclBody) -> Vec<(u32, u8)> {
         (at == 0 || !overlap(texts[at - 1], texts[at])) && (at + 1 >= texts.len() || !overlap(texts[at], texts[at + 1]))
     };
     let head = |(byte, _): (u32, u8)| (8 * byte, 8 * (byte + 2));
-    (0..texts.len()).filter(|&at| apart(at) && !is_reached(head(texts[at]))).map(|at| texts[at]).collect()
+    let own = (0..texts.len()).filter(|&at| apart(at) && !is_reached(head(texts[at]))).map(|at| texts[at]);
+    own.map(|(byte, declared)| OwnPlace { byte, declared, is_room: !is_reached(bits((byte, declared))) }).collect()
 }
 
 /// Whether only functions of texts and assignments reach the text that is parameter `result` of a function.

@@ -211,9 +211,10 @@ impl BlockLowering<'_, '_> {
         let kept = characters.len().min(limit as usize);
         let (to, checks) = self.located_address(to, Direction::Write);
         let guard = self.begin_guard(checks, Substitute::None);
-        self.store_bytes(Address { offset: to.offset + 2, ..to }, &characters[..kept]);
+        let own = own.or_else(|| self.own_text(to, u8::try_from(limit).ok()?));
+        self.store_characters(moved(to, 2), &characters[..kept], own);
         let length = self.b.i32_const(kept as u32);
-        match own.or_else(|| self.own_text(to, u8::try_from(limit).ok()?)) {
+        match own {
             Some(own) => self.set_own_length(own, length),
             None => self.store_low(Address { offset: to.offset + 1, ..to }, Width::Byte, length),
         }
