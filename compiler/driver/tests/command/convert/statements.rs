@@ -40,7 +40,7 @@ fn calls_of_timers_by_the_type_of_their_data_are_drawn() {
 #[test]
 fn networks_in_stl_stay_as_they_are() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/parse/simatic-ml/mixed-block.xml");
-    let export = fs::read_to_string(file).expect("a test file").replace("\r\n", "\n");
+    let export = std::fs::read_to_string(file).expect("a test file").replace("\r\n", "\n");
     let place = |text: &str| export.find(text).unwrap_or_else(|| panic!("{text} is in the file"));
     let (scl, list) = (place("<SW.Blocks.CompileUnit ID=\"2\""), place("<SW.Blocks.CompileUnit ID=\"3\""));
     let head = export[list..place("  <StlStatement>")].replace("\"3\"", "\"4\"");
