@@ -94,9 +94,9 @@ mod tests {
                 let quotients = (0..200).chain(most.saturating_sub(200)..=most);
                 for number in quotients.flat_map(|quotient| [quotient * divisor, (quotient + 1) * divisor - 1]) {
                     let number = number.min((1 << bits) - 1) as i64;
-                    assert_eq!(number * factor as i64 >> shift, number / divisor as i64, "{number} / {divisor}");
+                    assert_eq!((number * factor as i64) >> shift, number / divisor as i64, "{number} / {divisor}");
                     let number = -number - 1;
-                    assert_eq!((number * factor as i64 >> shift) + 1, number / divisor as i64, "{number} / {divisor}");
+                    assert_eq!(((number * factor as i64) >> shift) + 1, number / divisor as i64, "{number} / {divisor}");
                 }
             }
         }
