@@ -50,6 +50,8 @@ pub struct Carried {
     pub is_stored: bool,
     /// Loads and stores of the place in the loop.
     pub accesses: Vec<Inst>,
+    /// Loads and stores of parts of it, such as bits of a byte.
+    pub parts: Vec<Inst>,
     /// Instructions on cold sides before which it is stored, and after which it is loaded again.
     pub shown: Vec<Inst>,
     pub renewed: Vec<Inst>,
@@ -96,7 +98,7 @@ pub fn plan(function: &Function, surroundings: &Surroundings, refused: Option<&F
         }
         let places = planner.places_of(each, &cfg, &dominators);
         if !places.is_empty() {
-            planner.taken.extend(places.iter().flat_map(|carried| carried.accesses.iter().copied()));
+            planner.taken.extend(places.iter().flat_map(|carried| carried.accesses.iter().chain(&carried.parts).copied()));
             carriers.push(Carrier { header: each.header, blocks: each.blocks.iter().copied().collect(), places });
         }
     }
@@ -137,6 +139,7 @@ struct Candidate {
     reads: u64,
     writes: u64,
     accesses: Vec<Inst>,
+    parts: Vec<Inst>,
     /// Each pass of the loop reads or writes it.
     is_usual: bool,
     /// The block outside of cold sides that was the last to read it.
@@ -189,6 +192,7 @@ impl Planner<'_> {
                         reads: 0,
                         writes: 0,
                         accesses: Vec::new(),
+                        parts: Vec::new(),
                         is_usual: false,
                         read_in: None,
                         is_changed: false,
@@ -211,6 +215,7 @@ impl Planner<'_> {
         }
         let mut candidates: Vec<(Place, Candidate)> = found.into_iter().collect();
         candidates.sort_unstable_by_key(|(place, _)| *place);
+        join_parts(&mut candidates);
         drop_overlapping(&mut candidates);
         candidates.retain(|(_, candidate)| {
             (candidate.is_usual || is_counting && candidate.is_changed) && candidate.ty.is_some()
@@ -250,7 +255,8 @@ impl Planner<'_> {
                 break;
             }
             let Some(ty) = candidate.ty else { continue };
-            places.push(Carried { place, ty, is_stored, accesses: candidate.accesses, shown, renewed, assumed });
+            let Candidate { accesses, parts, .. } = candidate;
+            places.push(Carried { place, ty, is_stored, accesses, parts, shown, renewed, assumed });
         }
         places
     }
@@ -435,6 +441,39 @@ pub fn place_of(function: &Function, inst: Inst) -> Option<(Place, Type, bool)> 
 /// The address of a place, and its bit.
 pub fn address_of(place: &Place) -> (Address, u8) {
     (Address::direct(place.region, (place.start / 8) as u32), (place.start % 8) as u8)
+}
+
+/// Makes places parts of others that contain them, where these are written or they are: bits of a byte, bytes of a word. They are sorted.
+fn join_parts(candidates: &mut Vec<(Place, Candidate)>) {
+    let mut rest = std::mem::take(candidates).into_iter().peekable();
+    while let Some(first) = rest.next() {
+        let (region, mut end) = (first.0.region, first.0.end);
+        let mut overlapping = vec![first];
+        while let Some(next) = rest.next_if(|(place, _)| place.region == region && place.start < end) {
+            end = end.max(next.0.end);
+            overlapping.push(next);
+        }
+        let start = overlapping[0].0.start;
+        let is_whole = |(place, candidate): &(Place, Candidate)| {
+            (place.start, place.end) == (start, end)
+                && (candidate.is_usual || candidate.is_changed)
+                && candidate.ty.is_some_and(|ty| ty.is_int() && ty != Type::I1)
+        };
+        let is_part = |(_, candidate): &(Place, Candidate)| candidate.ty.is_some_and(Type::is_int);
+        let is_written = overlapping.iter().any(|(_, candidate)| candidate.writes > 0);
+        match overlapping.iter().position(is_whole) {
+            Some(whole) if overlapping.len() > 1 && is_written && overlapping.iter().all(is_part) => {
+                let (place, mut candidate) = overlapping.swap_remove(whole);
+                for (_, part) in overlapping {
+                    candidate.reads += part.reads;
+                    candidate.writes += part.writes;
+                    candidate.parts.extend(part.accesses);
+                }
+                candidates.push((place, candidate));
+            }
+            _ => candidates.extend(overlapping),
+        }
+    }
 }
 
 /// Takes out the places that overlap others, unless both are only read. They are sorted.

@@ -1,6 +1,6 @@
 //! Makes places values in the loops that carry them.
 
-use plcc_ir::{Address, Block, BlockCall, Function, Inst, InstData, Loc, Region, Type};
+use plcc_ir::{Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Region, Type, Value, eval};
 use rustc_hash::FxHashMap;
 
 use super::plan::{Carried, Carrier, address_of, place_of};
@@ -11,7 +11,7 @@ fn is_stored_at_end(function: &Function, block: Block, carried: &Carried) -> boo
     if !function.blocks[block].cold || carried.shown.is_empty() {
         return false;
     }
-    let is_last = |inst: &&Inst| carried.shown.contains(inst) || carried.accesses.contains(inst);
+    let is_last = |inst: &&Inst| [&carried.shown, &carried.accesses, &carried.parts].iter().any(|list| list.contains(inst));
     let last = function.blocks[block].insts.iter().rev().find(is_last);
     last.is_some_and(|last| carried.shown.contains(last))
 }
@@ -65,6 +65,9 @@ impl Edit<'_> {
             };
             self.actions.insert(inst, action);
         }
+        for &inst in &carried.parts {
+            self.add_part(carried, var, inst);
+        }
         for &inst in &carried.shown {
             let [read, store] = self.store(carried, var, self.function.locs[inst]);
             self.before.entry(inst).or_default().extend([read, store]);
@@ -73,6 +76,52 @@ impl Edit<'_> {
             let [load, write] = self.load(carried, var, self.function.locs[inst]);
             self.after.entry(inst).or_default().extend([load, write]);
         }
+    }
+
+    /// Makes an access of a part of the place one of the variable.
+    fn add_part(&mut self, carried: &Carried, var: usize, inst: Inst) {
+        let Some((part, ty, writes)) = place_of(self.function, inst) else { return };
+        let (loc, whole) = (self.function.locs[inst], carried.ty);
+        // Memory is big-endian: bytes after the part are below it. Within its byte a bit has its own number.
+        let shift = match ty {
+            Type::I1 => carried.place.end - (part.start / 8 + 1) * 8 + part.start % 8,
+            _ => carried.place.end - part.end,
+        };
+        let read = self.load_of(carried, loc);
+        self.actions.insert(read, Action::Read(var));
+        let old = self.function.result(read);
+        let mut insts = vec![read];
+        let mut emit = |function: &mut Function, data: InstData| -> Value {
+            let inst = function.make_inst(data, &[whole], loc);
+            insts.push(inst);
+            function.result(inst)
+        };
+        let function = &mut *self.function;
+        let moved = |emit: &mut dyn FnMut(&mut Function, InstData) -> Value, function: &mut Function, op, value| {
+            if shift == 0 {
+                return value;
+            }
+            let count = emit(function, InstData::Const { bits: shift });
+            emit(function, InstData::Binary { op, args: [value, count] })
+        };
+        let value = match &function.insts[inst] {
+            InstData::Store { value, .. } | InstData::StoreBit { value, .. } if writes => *value,
+            _ => {
+                let arg = moved(&mut emit, function, BinaryOp::Lshr, old);
+                function.insts[inst] = InstData::Convert { op: ConvertOp::Trunc, arg };
+                self.before.entry(inst).or_default().extend(insts);
+                return;
+            }
+        };
+        let others = eval::mask(whole, !(eval::mask(ty, u64::MAX) << shift));
+        let others = emit(function, InstData::Const { bits: others });
+        let kept = emit(function, InstData::Binary { op: BinaryOp::And, args: [old, others] });
+        let wide = emit(function, InstData::Convert { op: ConvertOp::Zext, arg: value });
+        let placed = moved(&mut emit, function, BinaryOp::Shl, wide);
+        let value = emit(function, InstData::Binary { op: BinaryOp::Or, args: [kept, placed] });
+        function.insts[inst] = InstData::Store { addr: address_of(&carried.place).0, value };
+        self.actions.insert(inst, Action::Write(var, value));
+        self.before.entry(inst).or_default().extend(insts);
     }
 
     /// Instructions that store a variable in its place.
