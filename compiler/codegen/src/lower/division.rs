@@ -96,7 +96,11 @@ mod tests {
                     let number = number.min((1 << bits) - 1) as i64;
                     assert_eq!((number * factor as i64) >> shift, number / divisor as i64, "{number} / {divisor}");
                     let number = -number - 1;
-                    assert_eq!(((number * factor as i64) >> shift) + 1, number / divisor as i64, "{number} / {divisor}");
+                    assert_eq!(
+                        ((number * factor as i64) >> shift) + 1,
+                        number / divisor as i64,
+                        "{number} / {divisor}"
+                    );
                 }
             }
         }

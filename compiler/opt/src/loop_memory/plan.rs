@@ -98,7 +98,9 @@ pub fn plan(function: &Function, surroundings: &Surroundings, refused: Option<&F
         }
         let places = planner.places_of(each, &cfg, &dominators);
         if !places.is_empty() {
-            planner.taken.extend(places.iter().flat_map(|carried| carried.accesses.iter().chain(&carried.parts).copied()));
+            planner
+                .taken
+                .extend(places.iter().flat_map(|carried| carried.accesses.iter().chain(&carried.parts).copied()));
             carriers.push(Carrier { header: each.header, blocks: each.blocks.iter().copied().collect(), places });
         }
     }

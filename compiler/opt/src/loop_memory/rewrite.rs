@@ -1,6 +1,8 @@
 //! Makes places values in the loops that carry them.
 
-use plcc_ir::{Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Region, Type, Value, eval};
+use plcc_ir::{
+    Address, BinaryOp, Block, BlockCall, ConvertOp, Function, Inst, InstData, Loc, Region, Type, Value, eval,
+};
 use rustc_hash::FxHashMap;
 
 use super::plan::{Carried, Carrier, address_of, place_of};
@@ -11,7 +13,8 @@ fn is_stored_at_end(function: &Function, block: Block, carried: &Carried) -> boo
     if !function.blocks[block].cold || carried.shown.is_empty() {
         return false;
     }
-    let is_last = |inst: &&Inst| [&carried.shown, &carried.accesses, &carried.parts].iter().any(|list| list.contains(inst));
+    let is_last =
+        |inst: &&Inst| [&carried.shown, &carried.accesses, &carried.parts].iter().any(|list| list.contains(inst));
     let last = function.blocks[block].insts.iter().rev().find(is_last);
     last.is_some_and(|last| carried.shown.contains(last))
 }
