@@ -110,7 +110,7 @@ fn what_an_index_may_reach_stays_in_memory() {
 }
 
 #[test]
-fn parts_of_a_place_keep_it_in_memory() {
+fn a_part_of_a_place_is_part_of_its_value() {
     let text = program(
         "jump b1",
         "b1:\nv2 = load.i16 M 0\nstore.i16 M 2, v2\nv3 = load.i8 M 1\nstore.i8 M 3, v3",
@@ -119,8 +119,27 @@ fn parts_of_a_place_keep_it_in_memory() {
         "",
     );
     let expected = program(
-        "jump b3\nb3:\nv2 = load.i16 M 0\nv3 = load.i8 M 1\njump b1",
-        "b1:\nstore.i16 M 2, v2\nstore.i8 M 3, v3",
+        "jump b3\nb3:\nv9 = load.i16 M 2\nv2 = load.i16 M 0\nv3 = load.i8 M 1\njump b1",
+        "b1:\nv5 = const.i16 65280\nv6 = and v2, v5\nv7 = zext.i16 v3\nv8 = or v6, v7",
+        "branch v1, b1, b4",
+        "b4:\nstore.i16 M 2, v8\njump b2\nb2:\nret",
+        "",
+    );
+    check_pass("loop-memory", &text, &expected);
+}
+
+#[test]
+fn places_of_which_none_is_part_of_the_other_stay_in_memory() {
+    let text = program(
+        "jump b1",
+        "b1:\nv2 = load.i16 M 0\nstore.i16 M 2, v2\nv3 = load.i16 M 6\nstore.i16 M 3, v3",
+        "branch v1, b1, b2",
+        "b2:\nret",
+        "",
+    );
+    let expected = program(
+        "jump b3\nb3:\nv2 = load.i16 M 0\nv3 = load.i16 M 6\njump b1",
+        "b1:\nstore.i16 M 2, v2\nstore.i16 M 3, v3",
         "branch v1, b1, b2",
         "b2:\nret",
         "",
