@@ -6,7 +6,7 @@ use std::path::Path;
 use plcc_convert::to_graph;
 use plcc_convert::to_stl::{self, types::Types};
 use plcc_convert::trivia::Trivia;
-use plcc_diag::FileId;
+use plcc_diag::{Diagnostic, FileId};
 use plcc_driver::cli::Level;
 use plcc_driver::inputs::TestInput;
 use plcc_driver::testing::{self, Form, Variant};
@@ -140,6 +140,14 @@ fn ladder_shapes_keep_their_logic() {
     }
 }
 
+/// The messages about a statement list, which has no mistakes, that becomes LAD.
+fn messages_in_lad(source: &str) -> Vec<Diagnostic> {
+    let (unit, messages) = parsed(source, Some(Mnemonics::En));
+    assert!(!has_errors(&messages), "{messages:#?}\n{source}");
+    let types = Types::new(std::iter::once(&unit), &[]);
+    to_graph::unit(&unit, &types, Language::Lad).1
+}
+
 /// SAVE does not end the string of logic, and NOT does not end the OR of branches: what follows is not what networks would show.
 #[test]
 fn logic_that_goes_on_is_refused() {
@@ -159,11 +167,7 @@ fn logic_that_goes_on_is_refused() {
     ];
     let messages_of = |body: &str| {
         let body = body.replace("NETWORK; ", "NETWORK\n").replace("; ", ";\n");
-        let source = format!("FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n{body}\nEND_FUNCTION\n");
-        let (unit, messages) = parsed(&source, Some(Mnemonics::En));
-        assert!(!has_errors(&messages), "{messages:#?}\n{source}");
-        let types = Types::new(std::iter::once(&unit), &[]);
-        to_graph::unit(&unit, &types, Language::Lad).1
+        messages_in_lad(&format!("FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n{body}\nEND_FUNCTION\n"))
     };
     for (body, reason) in REFUSED {
         let messages = messages_of(body);
@@ -224,11 +228,7 @@ fn constants_that_networks_would_change_are_refused() {
     ];
     let messages_of = |body: &str| {
         let head = "FUNCTION FC 1 : VOID\nVAR_TEMP\nspeed : REAL;\nEND_VAR\nBEGIN\nNETWORK";
-        let source = format!("{head}\n{body}\nEND_FUNCTION\n");
-        let (unit, messages) = parsed(&source, Some(Mnemonics::En));
-        assert!(!has_errors(&messages), "{messages:#?}\n{source}");
-        let types = Types::new(std::iter::once(&unit), &[]);
-        to_graph::unit(&unit, &types, Language::Lad).1
+        messages_in_lad(&format!("{head}\n{body}\nEND_FUNCTION\n"))
     };
     for (body, reason) in REFUSED {
         let messages = messages_of(body);
@@ -258,10 +258,7 @@ fn constants_that_networks_would_extend_are_refused() {
     for (body, reason) in REFUSED {
         let body = body.replace("; ", ";\n");
         let source = format!("FUNCTION FC 1 : VOID\nBEGIN\nNETWORK\n{body}\nEND_FUNCTION\n");
-        let (unit, messages) = parsed(&source, Some(Mnemonics::En));
-        assert!(!has_errors(&messages), "{messages:#?}\n{source}");
-        let types = Types::new(std::iter::once(&unit), &[]);
-        let (_, messages) = to_graph::unit(&unit, &types, Language::Lad);
+        let messages = messages_in_lad(&source);
         assert!(messages.iter().any(|one| one.is_error() && one.title.contains(reason)), "{source}: {messages:#?}");
     }
 }

@@ -6,7 +6,7 @@ use crate::ast::{BlockPrefix, Width};
 use crate::literal::{self, Literal};
 use crate::stl::messages::State;
 use crate::stl::token::{Spanned, Tok};
-use crate::stl::{Mnemonics, StlInsn, forms};
+use crate::stl::{Mnemonics, OperandClass, StlInsn, forms};
 
 const REGISTERS: [&str; 2] = ["AR1", "AR2"];
 
@@ -199,15 +199,9 @@ pub fn of_second_operand(set: Mnemonics, insn: StlInsn, operand: &str, second: &
             })
         }
         // `SLW MW 0, 3`, as in other languages.
-        StlInsn::ShiftSignedI
-        | StlInsn::ShiftSignedD
-        | StlInsn::ShiftLeftW
-        | StlInsn::ShiftRightW
-        | StlInsn::ShiftLeftD
-        | StlInsn::ShiftRightD
-        | StlInsn::RotateLeftD
-        | StlInsn::RotateRightD
-            if is_count && operand.starts_with(|c: char| c.is_alphabetic() || matches!(c, '"' | '#')) =>
+        _ if matches!(insn.operand(), OperandClass::ShiftCount16 | OperandClass::ShiftCount32)
+            && is_count
+            && operand.starts_with(|c: char| c.is_alphabetic() || matches!(c, '"' | '#')) =>
         {
             let (load, transfer) = (StlInsn::Load.mnemonic(set), StlInsn::Transfer.mnemonic(set));
             Some(format!("write `{load} {operand}`, `{mnemonic} {second}` and `{transfer} {operand}`"))

@@ -31,7 +31,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The message for a variable that is no value by itself.
+    /// The message for a variable that is not a value by itself.
     pub(super) fn no_value(&self, text: &str, variable: Variable) -> String {
         let mut list = Vec::new();
         self.list(text, variable, 1, &mut list);
