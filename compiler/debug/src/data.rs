@@ -143,8 +143,8 @@ impl Range {
     }
 }
 
-/// A larger value is compared in part only.
-pub const BYTES_MAX: u32 = 4096;
+/// Bytes of the largest value that a program can declare: a value is always compared as a whole.
+pub const BYTES_MAX: u32 = plcc_model::layout::BYTES_MAX as u32;
 
 impl Watched {
     pub fn new(id: u64, name: String, at: Looked, when: When) -> Watched {
@@ -165,17 +165,22 @@ impl Watched {
         self.last.clear();
     }
 
-    /// The values before and now as the user sees them, if they differ.
+    /// The values before and now as the user sees them, if they differ. Of a structure this is the first byte that differs.
     pub fn changed(&mut self, cpu: &Cpu) -> Option<(String, String)> {
         let now = self.at.read(cpu);
         if now == self.last {
             return None;
         }
         let text = self.at.shown(cpu, &now);
+        let differs = self.last.iter().zip(&now).position(|(last, now)| last != now);
+        let bytes = differs.map(|at| (at, self.last[at], now[at]));
         let was_known = !self.last.is_empty();
         self.last = now;
         let before = std::mem::replace(&mut self.text, text.clone());
-        was_known.then_some((before, text))
+        was_known.then_some(match bytes {
+            Some((at, last, now)) if before == text => (format!("16#{last:02X} in byte {at}"), format!("16#{now:02X}")),
+            _ => (before, text),
+        })
     }
 }
 

@@ -196,7 +196,8 @@ fn instruction(language: Language, word: &str) -> Option<String> {
             // A word of both sets is taken as an international one.
             let is_german = insn.mnemonic(stl::Mnemonics::En) != word;
             let set = if is_german { stl::Mnemonics::De } else { stl::Mnemonics::En };
-            let head = code(&format!("{} / {}", insn.mnemonic(stl::Mnemonics::En), insn.mnemonic(stl::Mnemonics::De)));
+            let (english, german) = (insn.mnemonic(stl::Mnemonics::En), insn.mnemonic(stl::Mnemonics::De));
+            let head = if english == german { code(english) } else { code(&format!("{english} / {german}")) };
             let table = format!("`BR CC1 CC0 OV OS OR STA RLO /FC`\n\n`{}`", insn.status());
             Some(format!(
                 "{head}{}\n\nOperand: {}\n\n{table}\n",
