@@ -93,6 +93,7 @@ fn a_name_is_changed_only_where_it_is_meant() {
     let hover = editor.at("textDocument/hover", "list.stl", "|T     #result");
     let text = hover["contents"]["value"].as_str().unwrap_or_default();
     assert!(text.contains("Operand"), "{text}");
+    assert!(text.starts_with("```plc\nT\n```"), "one name where both sets of mnemonics have the same: {text}");
     // A component is one of its data type, not of the block that uses it.
     let found = editor.at("textDocument/hover", "line.scl", "#pairs[#list[1]].|x");
     let text = found["contents"]["value"].as_str().unwrap_or_default();
