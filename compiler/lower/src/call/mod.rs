@@ -5,7 +5,8 @@
 //! - `instance`: for an FB, elementary and complex values are copied into the instance and back; complex IN_OUT are POINTERs there.
 //! - `indices`: variable indices of actual parameters are read where the call begins.
 //! - `block_move`: SFC 20, 21 and 81 in place, where the areas are known.
-//! - `text`: functions of texts with addresses instead of ANY pointers; `text_operand`: where the texts are.
+//! - `text`: functions of texts with addresses instead of ANY pointers; `text_operand`: where the texts are; `text_words` and `text_copies`: their
+//!   characters, in words.
 //! - `system`: system functions get a structure of parameters in the caller's frame.
 
 mod block_move;
@@ -15,6 +16,7 @@ mod instance;
 mod system;
 mod text;
 mod text_compare;
+mod text_copies;
 mod text_operand;
 mod text_short;
 mod text_words;
