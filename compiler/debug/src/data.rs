@@ -165,21 +165,24 @@ impl Watched {
         self.last.clear();
     }
 
-    /// The values before and now as the user sees them, if they differ. Of a structure this is the first byte that differs.
+    /// The values before and now as the user sees them, if they differ. Where both look the same, as structures do: the first byte that differs.
     pub fn changed(&mut self, cpu: &Cpu) -> Option<(String, String)> {
         let now = self.at.read(cpu);
-        if now == self.last {
-            return None;
-        }
-        let text = self.at.shown(cpu, &now);
         let differs = self.last.iter().zip(&now).position(|(last, now)| last != now);
-        let bytes = differs.map(|at| (at, self.last[at], now[at]));
-        let was_known = !self.last.is_empty();
-        self.last = now;
+        let last = std::mem::replace(&mut self.last, now);
+        let Some(at) = differs else {
+            // The first value is not a change.
+            if last.is_empty() {
+                self.text = self.at.shown(cpu, &self.last);
+            }
+            return None;
+        };
+        let text = self.at.shown(cpu, &self.last);
         let before = std::mem::replace(&mut self.text, text.clone());
-        was_known.then_some(match bytes {
-            Some((at, last, now)) if before == text => (format!("16#{last:02X} in byte {at}"), format!("16#{now:02X}")),
-            _ => (before, text),
+        Some(if before == text {
+            (format!("16#{:02X} in byte {at}", last[at]), format!("16#{:02X}", self.last[at]))
+        } else {
+            (before, text)
         })
     }
 }

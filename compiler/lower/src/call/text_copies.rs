@@ -47,28 +47,37 @@ impl BlockLowering<'_, '_> {
         let start = to;
         // Those of whole blocks.
         let whole = self.b.binary_imm(BinaryOp::And, count, i64::from(NEAR & !(BLOCK - 1)));
+        self.copy_blocks(to, from, whole, false);
+        let count = self.b.binary_imm(BinaryOp::And, count, i64::from(BLOCK - 1));
+        let (to, from) = (self.indexed(to, whole), self.indexed(from, whole));
+        let room = room.map(|room| self.b.isub(room, whole));
+        self.copy_last(to, from, count, BLOCK - 1, room, Copied { word: None, first: None, ..copied });
+        self.note_first(start, copied, None);
+    }
+
+    /// Copies `count` characters, an i32, a multiple of [`BLOCK`], from the first on. `is_above_zero`: there surely are some.
+    fn copy_blocks(&mut self, to: Address, from: Address, count: Value, is_above_zero: bool) {
         let at_var = self.b.declare_var(Type::I32);
         let zero = self.b.i32_const(0);
         self.b.def_var(at_var, zero);
         let (body, rest) = (self.b.create_block(), self.b.create_block());
-        let is_long = self.b.icmp_imm(IntCc::Ne, whole, 0);
-        self.b.branch(is_long, body, rest);
+        if is_above_zero {
+            self.b.jump(body, &[]);
+        } else {
+            let is_long = self.b.icmp_imm(IntCc::Ne, count, 0);
+            self.b.branch(is_long, body, rest);
+        }
         self.b.switch_to(body);
         let at = self.b.use_var(at_var);
         let (block_to, block_from) = (self.indexed(to, at), self.indexed(from, at));
         self.b.copy(block_to, block_from, BLOCK);
         let next = self.b.binary_imm(BinaryOp::Iadd, at, BLOCK.into());
         self.b.def_var(at_var, next);
-        let more = self.b.icmp(IntCc::Ult, next, whole);
+        let more = self.b.icmp(IntCc::Ult, next, count);
         self.b.branch(more, body, rest);
         self.b.seal_block(body);
         self.b.seal_block(rest);
         self.b.switch_to(rest);
-        let count = self.b.binary_imm(BinaryOp::And, count, i64::from(BLOCK - 1));
-        let (to, from) = (self.indexed(to, whole), self.indexed(from, whole));
-        let room = room.map(|room| self.b.isub(room, whole));
-        self.copy_last(to, from, count, BLOCK - 1, room, Copied { word: None, first: None, ..copied });
-        self.note_first(start, copied, None);
     }
 
     /// As [`copy_characters`](Self::copy_characters), where the two places share no memory: the last block may begin before the end of the one
@@ -95,24 +104,9 @@ impl BlockLowering<'_, '_> {
         if most <= 2 * BLOCK {
             self.b.copy(to, from, BLOCK);
         } else {
-            let at_var = self.b.declare_var(Type::I32);
-            let zero = self.b.i32_const(0);
-            self.b.def_var(at_var, zero);
             let before_last = self.b.binary_imm(BinaryOp::Iadd, count, -1);
             let before_last = self.b.binary_imm(BinaryOp::And, before_last, i64::from(NEAR & !(BLOCK - 1)));
-            let (body, rest) = (self.b.create_block(), self.b.create_block());
-            self.b.jump(body, &[]);
-            self.b.switch_to(body);
-            let at = self.b.use_var(at_var);
-            let (block_to, block_from) = (self.indexed(to, at), self.indexed(from, at));
-            self.b.copy(block_to, block_from, BLOCK);
-            let next = self.b.binary_imm(BinaryOp::Iadd, at, BLOCK.into());
-            self.b.def_var(at_var, next);
-            let more = self.b.icmp(IntCc::Ult, next, before_last);
-            self.b.branch(more, body, rest);
-            self.b.seal_block(body);
-            self.b.seal_block(rest);
-            self.b.switch_to(rest);
+            self.copy_blocks(to, from, before_last, true);
         }
         let (last_to, last_from) = (self.indexed(to, last), self.indexed(from, last));
         self.b.copy(last_to, last_from, BLOCK);
