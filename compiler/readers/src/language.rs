@@ -5,7 +5,7 @@ use std::ops::Range;
 use plcc_syntax::scl::{Outline, outline};
 use plcc_syntax::{Language, s7200};
 
-use crate::gr7;
+use crate::{gr7, networks};
 
 /// How to read a source.
 pub enum Reading {
@@ -37,6 +37,9 @@ pub fn detect(text: &str, hint: Option<Language>) -> Reading {
 
 /// Decides how to read a `text` of STL and SCL.
 pub fn detect_statements(text: &str, hint: Option<Language>) -> Reading {
+    if networks::are_all_code(text) {
+        return Reading::Whole(hint.unwrap_or(Language::Stl));
+    }
     let Outline { blocks, modern } = outline(text);
     let scl = blocks.iter().any(|block| block.language == Some(Language::Scl));
     let stl = blocks.iter().any(|block| block.language == Some(Language::Stl));

@@ -11,6 +11,7 @@
 
 pub mod gr7;
 mod language;
+mod networks;
 pub mod plcopen;
 pub mod sd;
 pub mod simatic_ml;
