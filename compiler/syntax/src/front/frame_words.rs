@@ -159,7 +159,7 @@ pub fn find<'a>(count: usize, seen: impl Fn(usize) -> Seen<'a>) -> Vec<Meant> {
     while at < count {
         let token = (scan.seen)(at);
         // In statement lists most words have one letter.
-        if token.shape != Shape::Word || token.text.len() < 2 {
+        if token.shape != Shape::Word || token.text.len() < 2 || scan.is_operand(token) {
             at += 1;
             continue;
         }
@@ -205,6 +205,13 @@ impl<'a, F: Fn(usize) -> Seen<'a>> Scan<F> {
 
     fn ends_line(&self, after: usize) -> bool {
         self.get(after).is_none_or(|token| token.first_on_line)
+    }
+
+    /// True for a short word of the code that is neither the first on its line nor a keyword.
+    fn is_operand(&self, token: Seen<'a>) -> bool {
+        const LENGTH_MAX: usize = 5;
+        let is = |word: &str| token.text.eq_ignore_ascii_case(word);
+        self.area == Area::Code && !token.first_on_line && token.text.len() <= LENGTH_MAX && !is("END") && !is("TYPE")
     }
 
     /// The keyword of a frame that the word at `at` is.
@@ -407,10 +414,15 @@ fn keywords() -> impl Iterator<Item = &'static str> {
     BLOCKS.into_iter().chain(BLOCK_ENDS).chain(SECTIONS).chain(SECTION_ENDS).chain(STATEMENT_ENDS).chain(OTHERS)
 }
 
-/// False for most words: keywords have few first letters, and none is shorter than `VAR`.
+/// False for most words: keywords have few first letters, and only `VAR` and `TYPE` are shorter than five.
 fn looks_like_keyword(word: &str) -> bool {
-    const FIRST_LETTERS: &[u8] = b"OFDTEVBCLSPN";
-    word.len() >= WORD_MIN && FIRST_LETTERS.contains(&word.as_bytes()[0].to_ascii_uppercase())
+    let first_letters: &[u8] = match word.len() {
+        ..WORD_MIN => b"",
+        WORD_MIN => b"V",
+        4 => b"T",
+        _ => b"OFDTEVBCLSPN",
+    };
+    word.bytes().next().is_some_and(|first| first_letters.contains(&first.to_ascii_uppercase()))
 }
 
 fn is_keyword(word: &str) -> bool {
