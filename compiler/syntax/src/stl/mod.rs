@@ -17,6 +17,7 @@ mod messages;
 mod mnemonics;
 mod operand_form;
 mod operand_help;
+mod parts;
 pub mod pragma;
 mod raw;
 mod start_values;
@@ -106,7 +107,9 @@ fn parse_raw(
     let mut state = ParseState::new(file, text, &classified.tokens, detected.set)
         .with_comments(&raw.comments)
         .after(diagnostics.iter().chain(&classified.diagnostics));
-    let mut blocks = match grammar::UnitParser::new().parse(&mut state, classified.stream()) {
+    let whole = || grammar::UnitParser::new().parse(&mut state, classified.stream());
+    let parts = parts::parse(file, text, &classified.tokens, &raw.comments, detected.set);
+    let mut blocks = match parts.map_or_else(whole, Ok) {
         Ok(blocks) => blocks,
         Err(error) => {
             if diagnostics.is_empty() && classified.diagnostics.is_empty() && state.diagnostics.is_empty() {
