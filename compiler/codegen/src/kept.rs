@@ -20,6 +20,7 @@ use crate::keeping;
 /// The machine code of a function with everything that a module needs of it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeptFunction {
+    #[serde(with = "serde_bytes")]
     bytes: Vec<u8>,
     alignment: u64,
     relocs: Vec<KeptReloc>,
