@@ -144,6 +144,9 @@ impl<'a> Inliner<'a> {
         let mut independent = FxHashSet::default();
         for block in std::mem::take(&mut caller.layout) {
             caller.layout.push(block);
+            if !caller.blocks[block].insts.iter().any(|&inst| matches!(caller.insts[inst], InstData::Call { .. })) {
+                continue;
+            }
             let insts = std::mem::take(&mut caller.blocks[block].insts);
             let mut at = block;
             for (index, &inst) in insts.iter().enumerate() {

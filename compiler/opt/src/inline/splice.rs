@@ -118,8 +118,10 @@ impl<'a> Splice<'a> {
 
     /// Assigns values to the results of a block's instructions, before any of them is used.
     fn make_results(&mut self, block: Block) {
+        let mut types = Vec::new();
         for &inst in &self.callee.blocks[block].insts {
-            let types: Vec<_> = self.callee.results[inst].iter().map(|&result| self.callee.ty(result)).collect();
+            types.clear();
+            types.extend(self.callee.results[inst].iter().map(|&result| self.callee.ty(result)));
             let new = self.caller.make_inst(InstData::Const { bits: 0 }, &types, self.loc_of(inst));
             for (&result, &value) in self.callee.results[inst].iter().zip(&self.caller.results[new]) {
                 self.values[result] = Some(value);
