@@ -6,6 +6,7 @@
 //! when nothing grows, a few sweeps without widening make intervals smaller again.
 
 mod companions;
+mod ends;
 mod learning;
 
 use plcc_abi::layout;
@@ -57,6 +58,10 @@ pub struct Ranges<'f> {
     limits: FxHashMap<Value, Interval>,
     /// How many passes loops begin at most, by header.
     passes: FxHashMap<Block, i64>,
+    /// Parameters of loops, with others that count along with them.
+    together: FxHashMap<Value, Vec<Together>>,
+    /// The first number of parameters that change by more than 1 with each pass, and by how much.
+    strides: FxHashMap<Value, (i64, i64)>,
     /// Values that are made of another one and a constant, or a conversion of it: what is learnt of that one says something of them.
     derived: FxHashMap<Value, Vec<Value>>,
     /// The sweep in which each value was computed last, and the number of this one.
@@ -65,6 +70,14 @@ pub struct Ranges<'f> {
     /// How many steps from the value that was learnt of; chains of sums can be as long as the program.
     deriving: u32,
     phase: Phase,
+}
+
+/// A parameter that is so many times another one of its loop, plus a constant, in each pass.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Together {
+    param: Value,
+    times: i64,
+    plus: i64,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -96,6 +109,8 @@ impl<'f> Ranges<'f> {
             next_back: FxHashMap::default(),
             limits: FxHashMap::default(),
             passes: FxHashMap::default(),
+            together: FxHashMap::default(),
+            strides: FxHashMap::default(),
             derived: learning::derived(function, cfg),
             computed: vec![0; function.values.len()],
             sweeps: 0,
@@ -120,11 +135,11 @@ impl<'f> Ranges<'f> {
         }
         // What an inner loop begins with is known once it is known how far the outer one gets.
         for _ in 0..=NESTED {
-            let is_nested = ranges.find_companions();
+            let is_more_known = ranges.find_companions();
             for _ in 0..SHRINKING {
                 ranges.sweep();
             }
-            if !is_nested {
+            if !is_more_known {
                 break;
             }
         }

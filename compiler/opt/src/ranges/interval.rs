@@ -57,6 +57,17 @@ impl Interval {
         (lo <= hi).then(|| Interval { lo, hi, zeros: self.zeros.max(other.zeros) }.rounded())
     }
 
+    /// Those numbers that are a multiple of `stride` away from `first`; all, if there are none.
+    pub fn on_strides(self, first: i64, stride: i64) -> Interval {
+        let away = |end: i64| end.checked_sub(first).map(|away| away.rem_euclid(stride));
+        let lo = away(self.lo).and_then(|over| self.lo.checked_add(if over == 0 { 0 } else { stride - over }));
+        let hi = away(self.hi).and_then(|over| self.hi.checked_sub(over));
+        match (lo, hi) {
+            (Some(lo), Some(hi)) if lo <= hi => Interval { lo, hi, ..self },
+            _ => self,
+        }
+    }
+
     /// Ends at multiples of the power of two.
     fn rounded(self) -> Interval {
         if self.lo == self.hi || self.zeros == 0 || self.zeros >= 62 {

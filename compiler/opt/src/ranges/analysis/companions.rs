@@ -4,7 +4,7 @@ use plcc_ir::entities::Entity;
 use plcc_ir::function::ValueDef;
 use plcc_ir::{BinaryOp, Block, BlockCall, ConvertOp, InstData, Type, Value};
 
-use super::{ADDRESS_MASK, Ranges};
+use super::{ADDRESS_MASK, Ranges, Together};
 use crate::ranges::interval::{self, Interval};
 
 /// Steps back from what a jump back brings to the parameter; more are not worth the time.
@@ -18,9 +18,10 @@ impl<'f> Ranges<'f> {
     /// Parameters of a loop that all change by a constant, or by an amount of a known range, with each pass count along with each other:
     /// one with known ends that changes by a constant says how often the loop runs at most, and so how far the others get.
     ///
-    /// Result: whether a parameter gets on by what an inner loop adds to it.
+    /// Result: whether the next look finds more, with what this one has found out: of a parameter that gets on by what an inner loop adds to
+    /// it, or of a counter that had no ends.
     pub(super) fn find_companions(&mut self) -> bool {
-        let mut is_nested = false;
+        let mut is_more_known = false;
         // Inner loops come first.
         for &header in self.cfg.rpo.iter().rev() {
             let Some(calls) = self.jumps_back(header) else { continue };
@@ -34,19 +35,24 @@ impl<'f> Ranges<'f> {
                 Some((step, way.is_nested))
             };
             let steps: Vec<Option<(Step, bool)>> = params.iter().enumerate().map(step).collect();
-            let passes = params.iter().zip(&steps).filter_map(|(&param, step)| self.passes(param, (*step)?.0)).min();
+            let counters = || params.iter().zip(&steps).filter_map(|(&param, step)| Some((param, (*step)?.0)));
+            let by_ends = counters().filter_map(|(param, step)| self.passes(param, step)).min();
+            let until_equal = counters().filter_map(|(param, step)| self.passes_until_equal(header, param, step)).min();
             self.limit_by_each_other(header, &steps);
-            let Some(passes) = passes else { continue };
-            self.passes.insert(header, passes);
+            let Some(passes) = by_ends.into_iter().chain(until_equal).min() else { continue };
+            is_more_known |= self.passes.insert(header, passes) != Some(passes) && by_ends != Some(passes);
             for (&param, step) in params.iter().zip(&steps) {
                 let (Some((step, nested)), Some(first)) = (*step, self.first(header, param)) else { continue };
                 if let Some(limit) = reach(first, step, passes) {
                     self.limit(param, limit);
-                    is_nested |= nested;
+                    is_more_known |= nested;
+                    if let (Some(first), Some(by)) = (first.single(), step.constant()) {
+                        self.strides.insert(param, (first, by.abs()));
+                    }
                 }
             }
         }
-        is_nested
+        is_more_known
     }
 
     /// A parameter that begins as so many times another one plus a constant, and changes by so many times its step, stays that: the pointer to
@@ -71,6 +77,11 @@ impl<'f> Ranges<'f> {
                 let limit = Interval { lo: a.min(b), hi: a.max(b), zeros };
                 if step.fits.lo <= limit.lo && limit.hi <= step.fits.hi {
                     self.limit(params[index], limit);
+                    let together = self.together.entry(params[other]).or_default();
+                    let own = Together { param: params[index], times, plus };
+                    if !together.contains(&own) {
+                        together.push(own);
+                    }
                 }
             }
         }
@@ -326,7 +337,7 @@ impl<'f> Ranges<'f> {
     }
 
     /// What a parameter of a loop can be in the first pass.
-    fn first(&self, header: Block, param: Value) -> Option<Interval> {
+    pub(super) fn first(&self, header: Block, param: Value) -> Option<Interval> {
         let index = self.function.blocks[header].params.iter().position(|&other| other == param)?;
         let place = self.cfg.rpo_index(header);
         let mut first: Option<Interval> = None;
@@ -362,13 +373,13 @@ struct Way {
 
 /// How a parameter of a loop changes from pass to pass: by a number from `lo` to `hi`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Step {
+pub(super) struct Step {
     lo: i64,
     hi: i64,
     /// Bits at the low end of the number that are 0.
     zeros: u32,
     /// It is so as long as the parameter is in here before and after: the narrowest type and mask on the way.
-    fits: Interval,
+    pub(super) fits: Interval,
 }
 
 impl Step {
@@ -377,7 +388,7 @@ impl Step {
     }
 
     /// The number by which the parameter changes in each pass, if it is always the same.
-    fn constant(self) -> Option<i64> {
+    pub(super) fn constant(self) -> Option<i64> {
         (self.lo == self.hi && self.lo != 0).then_some(self.lo)
     }
 

@@ -6,7 +6,7 @@ use plcc_ir::function::ValueDef;
 use plcc_ir::{Address, BinaryOp, Block, ConvertOp, Function, InstData, IntCc, Type, Value};
 use rustc_hash::FxHashMap;
 
-use super::{DEPTH_MAX, Ranges};
+use super::{DEPTH_MAX, Ranges, Together};
 use crate::ranges::interval::{self, Interval};
 
 impl Ranges<'_> {
@@ -115,13 +115,26 @@ impl Ranges<'_> {
             Some(before) => before.meet(range).unwrap_or(before),
             None => range,
         };
+        let now = self.strides.get(&value).map_or(now, |&(first, stride)| now.on_strides(first, stride));
         if before != Some(now) {
             self.undo.push((value, before));
             self.here[value.index()] = Some(now);
             if self.deriving < DEPTH_MAX {
                 self.deriving += 1;
                 self.derive(value);
+                self.note_together(value, now);
                 self.deriving -= 1;
+            }
+        }
+    }
+
+    /// `value`, a parameter of a loop, is in `range` here: so are those that count along with it.
+    fn note_together(&mut self, value: Value, range: Interval) {
+        let Some(together) = self.together.get(&value) else { return };
+        for Together { param, times, plus } in together.clone() {
+            let ends = [range.lo, range.hi].map(|end| end.checked_mul(times)?.checked_add(plus));
+            if let [Some(a), Some(b)] = ends {
+                self.note(param, Interval { lo: a.min(b), hi: a.max(b), zeros: 0 });
             }
         }
     }
