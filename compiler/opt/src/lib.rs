@@ -13,6 +13,7 @@ mod branches;
 mod checks;
 mod cold_loops;
 mod control_flow;
+mod copy_loops;
 mod dead_code;
 mod dead_stores;
 mod duplicate;
@@ -113,7 +114,13 @@ impl Pass {
     fn is_for_loops(&self) -> bool {
         matches!(
             self.name,
-            "hoist-lookups" | "loop-memory" | "loop-ranges" | "part-cold-loops" | "turn-loops" | "unroll"
+            "copy-loops"
+                | "hoist-lookups"
+                | "loop-memory"
+                | "loop-ranges"
+                | "part-cold-loops"
+                | "turn-loops"
+                | "unroll"
         )
     }
 
@@ -177,6 +184,7 @@ pub const ALONE: &[Pass] = &[
     surrounded("forward", forward::forward_memory),
     function("fold", fold::fold),
     surrounded("block-moves", block_moves::move_blocks),
+    function("copy-loops", copy_loops::copy_loops),
     function("unroll", unroll::unroll_loops),
     function("control-flow", control_flow::simplify_control_flow),
     function("fold", fold::fold),
