@@ -130,6 +130,26 @@ impl BlockLowering<'_, '_> {
             let pattern = self.pattern_of(value, ty);
             return self.b.select(whole.fits, good, pattern);
         }
+        if rounding == UnaryOp::Ftrunc {
+            return self.low_bits_of_float(value, good, rounding, ty);
+        }
+        // What does not fit is rare, and takes longer.
+        let result = self.b.declare_var(ty);
+        let (other, join) = (self.b.create_cold_block(), self.b.create_block());
+        self.b.def_var(result, good);
+        self.b.branch(whole.fits, join, other);
+        self.b.seal_block(other);
+        self.b.switch_to(other);
+        let low = self.low_bits_of_float(value, good, rounding, ty);
+        self.b.def_var(result, low);
+        self.b.jump(join, &[]);
+        self.b.seal_block(join);
+        self.b.switch_to(join);
+        self.b.use_var(result)
+    }
+
+    /// The low bits of a rounded float; `good`: those of a REAL below 2^51.
+    fn low_bits_of_float(&mut self, value: Value, good: Value, rounding: UnaryOp, ty: Type) -> Value {
         let is_real = self.b.ty(value) == Type::F32;
         let x = self.b.convert(ConvertOp::Fpromote, Type::F64, value);
         // The conversion to 64 bits truncates by itself; a large REAL is whole.
