@@ -346,7 +346,10 @@ impl Passes {
         // A move reads all before it writes: what this loop reads must not have been written.
         let is_move = moved.from.is_none_or(|from| {
             let is_before = if by > 0 { moved.to.at < from.at } else { moved.to.at > from.at };
-            !overlaps(moved.to, from, len) || moved.to.region == from.region && moved.to.from == from.from && is_before
+            let is_same_order = moved.to.region.is_host_order() == from.region.is_host_order();
+            let is_apart = !overlaps(moved.to, from, len);
+            let reads_ahead = moved.to.region == from.region && moved.to.from == from.from && is_before;
+            is_same_order && (is_apart || reads_ahead)
         });
         let is_apart = self.last.iter().all(|(addr, ty, ..)| {
             let place = Place { region: addr.region, from: None, at: addr.offset.into() };
