@@ -1,41 +1,81 @@
 #include "../plc.h"
+
+enum { FLOORS = 6 };
+
 AREAS({"M", M, 11})
-static struct { int state, floor, ticks; bool open, moving, up, waiting[6]; unsigned trips, served[6]; } e;
+
+static struct {
+    enum { IDLE, MOVE, DOOR, CLOSE } state;
+    int floor, ticks;
+    bool open, moving, up, waiting[FLOORS];
+    unsigned trips, served[FLOORS];
+} elevator;
+
+static void start(bool up)
+{
+    elevator.up = up;
+    elevator.state = MOVE;
+    elevator.trips++;
+}
+
+static void move(bool above, bool below)
+{
+    if (++elevator.ticks < 4) {
+        return;
+    }
+    elevator.ticks = 0;
+    if (elevator.up && elevator.floor < FLOORS - 1) {
+        elevator.floor++;
+    } else if (!elevator.up && elevator.floor > 0) {
+        elevator.floor--;
+    }
+    if (elevator.waiting[elevator.floor]) {
+        elevator.state = DOOR;
+    } else if (elevator.up ? !above : !below) {
+        elevator.state = IDLE;
+    }
+}
+
 void scan(uint32_t now)
 {
     (void)now;
-    uint32_t s = rd32(M) + 0x9E3779B9u;
-    wr32(M, s);
-    wr32(M + 4, s ^ s >> 15);
+    uint32_t seed = rd32(M) + 0x9E3779B9u;
+    wr32(M, seed);
+    wr32(M + 4, seed ^ seed >> 15);
     unsigned calls = M[4] & M[5] & M[6] & 0x3F;
-    for (int i = 0; i < 6; i++) if (calls >> i & 1) e.waiting[i] = true;
     bool above = false, below = false;
-    for (int i = 0; i < 6; i++) if (e.waiting[i]) { if (i > e.floor) above = true; else if (i < e.floor) below = true; }
-    switch (e.state) {
-    case 0:
-        if (e.waiting[e.floor]) { e.state = 2; e.ticks = 0; }
-        else if (above) { e.up = true; e.state = 1; e.trips++; }
-        else if (below) { e.up = false; e.state = 1; e.trips++; }
-        break;
-    case 1:
-        if (++e.ticks >= 4) {
-            e.ticks = 0;
-            if (e.up && e.floor < 5) e.floor++;
-            else if (!e.up && e.floor > 0) e.floor--;
-            if (e.waiting[e.floor]) e.state = 2;
-            else if (e.up ? !above : !below) e.state = 0;
+    for (int i = 0; i < FLOORS; i++) {
+        elevator.waiting[i] |= calls >> i & 1;
+        above |= elevator.waiting[i] && i > elevator.floor;
+        below |= elevator.waiting[i] && i < elevator.floor;
+    }
+    switch (elevator.state) {
+    case IDLE:
+        if (elevator.waiting[elevator.floor]) {
+            elevator.state = DOOR;
+            elevator.ticks = 0;
+        } else if (above || below) {
+            start(above);
         }
         break;
-    case 2:
-        e.waiting[e.floor] = false;
-        e.open = true;
-        if (++e.ticks > 3) { e.served[e.floor]++; e.state = 3; }
+    case MOVE:
+        move(above, below);
         break;
-    case 3:
-        e.open = false; e.ticks = 0; e.state = 0;
+    case DOOR:
+        elevator.waiting[elevator.floor] = false;
+        elevator.open = true;
+        if (++elevator.ticks > 3) {
+            elevator.served[elevator.floor]++;
+            elevator.state = CLOSE;
+        }
+        break;
+    case CLOSE:
+        elevator.open = false;
+        elevator.ticks = 0;
+        elevator.state = IDLE;
         break;
     }
-    e.moving = e.state == 1;
-    wr16(M + 8, (uint16_t)e.floor);
-    M[10] = (uint8_t)(e.open | e.moving << 1);
+    elevator.moving = elevator.state == MOVE;
+    wr16(M + 8, (uint16_t)elevator.floor);
+    M[10] = (uint8_t)(elevator.open | elevator.moving << 1);
 }
